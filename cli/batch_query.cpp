@@ -17,7 +17,7 @@
 namespace standoff::cli {
 namespace {
 
-// read(numbers) of each line that holds some.
+// Returns read(numbers) of each line that holds numbers.
 template <class T, class Read>
 std::vector<T> read_lines(const std::string& name, Read read) {
   LineReader lines{InputStream(name)};

@@ -53,7 +53,7 @@ class Table {
   bool begun_ = false;
 };
 
-/// What was found out: the table, and how many answers were of which kind.
+/// The answers: the table, and how many there are of each kind.
 struct Answers {
   Table table;
   std::vector<std::pair<const char*, std::int64_t>> counts;  ///< {"hit", 12}; the words are keys of `counts`
@@ -69,10 +69,10 @@ class BatchQuery {
   bool given() const { return !file_.empty(); }
   const std::string& file() const { return file_; }
   const Execution& execution() const { return execution_; }
-  /// Tells before any work what is wrong with the output.
+  /// Checks the output before any work.
   void check(std::initializer_list<std::string> inputs) const;
 
-  /// The results of ask(report), and how long it took.
+  /// Returns the results of ask(report), and notes how long that took.
   template <class Ask>
   auto answers(const Console& console, std::size_t count, Ask ask) {
     using Clock = std::chrono::steady_clock;
@@ -83,7 +83,7 @@ class BatchQuery {
     seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
     return results;
   }
-  /// The table into its file, or on stdout where no JSON is asked for; then what there is to say.
+  /// Writes the table to its file, or to stdout unless JSON is asked for; then says what was found.
   void deliver(const char* verb, const Answers& answers, const Console& console) const;
 
  private:

@@ -80,14 +80,14 @@ const char* sentence_of(Containment containment) {
   return "";
 }
 
-// With one open body only half of the question has an answer.
+// If one body is open, nothing counts as inside it.
 void CollideCommand::say_what_is_open(const CollisionModel& a, const CollisionModel& b) const {
   if (containment && a.closed() != b.closed())
     console.say(std::string(a.closed() ? "B" : "A") +
                 " is not closed and consistently oriented, so nothing counts as inside it");
 }
 
-// Which of several intersecting triangles is found depends on the device: the table leaves it out, so that it does not.
+// The table names no triangles: which of several intersecting pairs is found depends on the device.
 void CollideCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   if (certified && batch.execution().backend != Backend::automatic && batch.execution().backend != Backend::cpu)

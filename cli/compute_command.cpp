@@ -37,9 +37,9 @@ class Beside {
   bool empty() const { return !nearest_ && kinds_.empty(); }
   /// Throws Error{usage} where the output's format has no place for them.
   void check(const FileOutput& output) const;
-  /// Asks for what they are made of, and for the memory they take.
+  /// Asks the computation for what they are made of, and for the memory they take.
   void prepare(ComputeOptions& options) const;
-  /// Makes them, and takes nearest triangles out of the field unless they are to be stored.
+  /// Makes them, and removes nearest triangles from the field unless they are to be stored.
   std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution,
                             const ProgressCallback& progress) const;
 
@@ -178,7 +178,7 @@ void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                sign = report.seconds.sign, write = outcome.write_seconds;
-  // Doubt is said aloud where the caller chose the method; who leaves it to the diagnosis asked for a line.
+  // A sign that is not certain is a warning, also under --quiet.
   if (!report.sign.why.empty())
     report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
   if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
@@ -369,7 +369,7 @@ FieldWriteOptions ComputeCommand::write_options() const {
   return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
 }
 
-// The field is computed while it is written, so that no more than a slab of it is held.
+// Computes the field while it is written, so that no more than a slab of it is held.
 Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   ProgressCallback bar = console.progress();
   double computed = 0;
@@ -387,7 +387,7 @@ Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   const auto write = [&] { write_field(output.path(), *slabs, write_options()); };
   if (computed < 1) {
     write();
-  } else {  // one slab, which is there
+  } else {  // there is one slab, and it is computed
     bar = nullptr;
     with_spinner(console, "writing " + output.path().string(), write);
   }
@@ -404,7 +404,7 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
     options.progress = console.progress();
     return compute(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
   }();
-  options.progress = nullptr;  // and the bar with it
+  options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   const std::vector<Sidecar> sidecars = [&] {
     const Cancellable cancellable;

@@ -18,7 +18,7 @@
 namespace standoff::cli {
 namespace {
 
-// A line that is drawn over and over, and wiped away at the end.
+// Draws a line on the terminal again and again, and wipes it at the end.
 class Bar {
  public:
   Bar() = default;
@@ -131,7 +131,7 @@ Spinner::Spinner(const Console& console, const std::string& what) : what_(one_li
   try {
     thread_ = std::thread([this] { show(); });
   } catch (const std::system_error&) {
-    // No thread to be had: then the terminal stays silent.
+    // Without a thread the terminal stays silent.
   }
 }
 

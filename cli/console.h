@@ -28,11 +28,11 @@ class Console {
   void add_to(CLI::App& verb, int offers);
 
   bool json() const { return json_; }
-  /// A line on stderr, unless quiet.
+  /// Writes a line to stderr, unless quiet.
   void say(const std::string& line) const;
-  /// A line on stderr when verbose.
+  /// Writes a line to stderr when verbose.
   void detail(const std::string& line) const;
-  /// A line on stderr, always: the result is good, but not what one may think.
+  /// Writes a line to stderr, also when quiet: the result is valid, but may not be what the user expects.
   void warn(const std::string& line) const;
   /// Whether stderr is a terminal whose user wants to see how far work has come.
   bool shows_progress() const;
@@ -46,18 +46,18 @@ class Console {
   std::string progress_ = "auto";
 };
 
-/// Says that a file of "point"s holds none: its answers have no rows, which is no error, but may be one before us.
+/// Warns that a file holds no `noun` ("point"). Answers without rows are no error, but the file may be the wrong one.
 void warn_of_none(const Console& console, const std::string& file, const std::string& noun);
 
-/// Has the library tell on stderr that it waits for the other end of a pipe.
+/// Makes the library say on stderr when it waits for the other end of a pipe.
 void tell_of_pipes();
 
-/// Text on stdout. Throws Error{output} when it cannot be written.
+/// Writes text to stdout. Throws Error{output} when that fails.
 void print(const std::string& text);
-/// One object or list on stdout.
+/// Writes one object or list to stdout.
 void print(const Json& json);
 
-/// The same once a file was written: should stdout fail, the message says that the file is there, whole.
+/// Does the same after a file was written: if stdout fails, the message says that the file is complete.
 void print(const std::string& text, const std::filesystem::path& written);
 void print(const Json& json, const std::filesystem::path& written);
 
@@ -81,7 +81,7 @@ class Spinner {
   std::thread thread_;
 };
 
-/// The result of `work`, shown as waited for meanwhile. With --verbose it is said how long it took.
+/// Returns the result of `work`, and meanwhile shows what is waited for. With --verbose it says how long that took.
 template <class Work>
 auto with_spinner(const Console& console, const std::string& what, Work work) {
   const auto start = std::chrono::steady_clock::now();

@@ -28,7 +28,7 @@ struct DistanceCommand {
   BatchQuery batch;
   Console console;
 
-  // The library looks for what is nearer than its limit; here what is as far counts too.
+  // The library's limit is exclusive, the program's is inclusive.
   DistanceOptions inclusive() const {
     return {options.tolerance, std::nextafter(options.limit, std::numeric_limits<double>::infinity())};
   }

@@ -19,11 +19,11 @@ namespace standoff::cli {
 
 enum class FileKind { mesh, field, body, query };
 
-/// By the extension; a name that says nothing is a mesh's, for those are recognised by content.
+/// Decides by the extension. A name without a known one is a mesh's, because meshes are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
 
-/// Tells before anything is read or written what is wrong with an input's name: no such scene; a file that is missing,
-/// a folder, or not to be read. Errors: usage (scene), input.
+/// Checks an input's name before anything is read or written: a scene must exist; a file must exist, be no folder, and
+/// be readable. Errors: usage (scene), input.
 void check_input(const std::string& name);
 
 /// A mesh made by code, as `scene:NAME[:TRIANGLES]` names it.
@@ -31,7 +31,7 @@ struct SceneName {
   std::string name;
   std::int64_t triangles = 0;  ///< 0: the scene's own count
 };
-/// Of a text with or without `scene:`. Errors: usage (the number of triangles).
+/// Parses a name with or without `scene:`. Errors: usage (the number of triangles).
 SceneName parse_scene(const std::string& text);
 
 /// A mesh that a verb reads: a file, or `scene:NAME[:TRIANGLES]`.
@@ -48,13 +48,12 @@ class MeshInput {
 
   bool scaled() const { return scale_ || unit_; }
   const std::string& name() const { return name_; }
-  /// What the mesh would be called without folder and extension.
+  /// Returns the mesh's name without folder and extension.
   std::string stem() const;
-  /// What was done to the file's coordinates goes into `report`. Errors: input, also for fields and bodies, which are
-  /// no meshes any more.
+  /// Reads the mesh; `report` gets what was done to the file's coordinates. Errors: input, also for fields and bodies.
   Mesh read(MeshReadReport* report = nullptr) const;
 
-  /// The same for a name taken from elsewhere.
+  /// Sets a name that is no argument of its own.
   void set_name(const std::string& name) { name_ = name; }
 
  private:
@@ -72,12 +71,12 @@ class FileOutput {
   bool given() const { return !path_.empty(); }
   const std::filesystem::path& path() const { return path_; }
   void set_path(const std::filesystem::path& path) { path_ = path; }
-  /// Tells before any work what would go wrong after it: an unknown extension (usage), a file in the way without -f
-  /// (usage), a folder in the way or missing (output).
+  /// Checks before any work that the file can be written. Errors: usage, for an unknown extension and for a file in the
+  /// way without -f; output, for a folder in the way or a missing one.
   void check(const std::vector<FileFormat>& formats) const;
-  /// The same, but for a file in the way.
+  /// Does the same, but accepts a file in the way.
   void check_name(const std::vector<FileFormat>& formats) const;
-  /// Whether there is a file in the way, and no -f.
+  /// Says whether a file is in the way, without -f.
   bool in_the_way() const;
   /// A second output beside this one, with the same -f. Throws Error{usage} where both are one file.
   FileOutput beside(const std::filesystem::path& path) const;
@@ -106,11 +105,11 @@ class FieldArgument {
  public:
   /// Adds --memory-limit, for `what`.
   void add_to(CLI::App& verb, const std::string& what = "the field that is read");
-  /// What was given, or the default.
+  /// Returns the given limit, or the default.
   std::int64_t memory_limit() const;
-  /// Terminals are shown what is waited for. Errors: input; limit, before any memory is taken.
+  /// Reads the field, and shows on a terminal what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
-  /// With its sidecars.
+  /// Reads the field with its sidecars.
   FieldFile read_file(const std::string& name, const Console& console) const;
   /// Throws Error{usage} where the option was given: `name` is no field.
   void check_unused(const std::string& name) const;
@@ -121,7 +120,8 @@ class FieldArgument {
   std::optional<std::int64_t> memory_limit_;
 };
 
-/// A mesh made into a body, or a body that standoff build made: NAME.body. Terminals are shown what is waited for.
+/// Makes a body of a mesh, or reads one that standoff build made (NAME.body), and shows on a terminal what is waited
+/// for.
 CollisionModel read_body(const std::string& name, const Console& console);
 
 /// Two bodies A and B, and where A is.
@@ -129,7 +129,7 @@ class PairInput {
  public:
   /// Adds the arguments A and B and the option --pose-a.
   void add_to(CLI::App& verb);
-  /// Tells before anything is built what is wrong with the names of both. Errors: usage, input.
+  /// Checks both names before anything is built. Errors: usage, input.
   void check() const;
   CollisionModel read_a(const Console& console) const { return read_body(a_, console); }
   CollisionModel read_b(const Console& console) const { return read_body(b_, console); }

@@ -76,7 +76,7 @@ void CrossingsCommand::run() {
     options.progress = console.progress();
     return edge_crossings(loaded, choice.grid, options);
   }();
-  options.progress = nullptr;  // and the bar with it
+  options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_crossings(output.path(), crossings, choice.grid, output.existing()); });

@@ -204,7 +204,7 @@ void IsoCommand::run() {
   // .stl has no other numbers; where they do not suffice, the error comes before the file.
   if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
   const IsoResult found = is_field ? of_field() : of_mesh();
-  options.progress = nullptr;  // and the bar with it
+  options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (found.mesh.triangles.empty())
     throw Error(ErrorCode::input,

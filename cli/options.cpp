@@ -41,7 +41,8 @@ CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads) {
 
 namespace {
 
-// A wide band is not followed farther than this share of the mesh's longest side, or few samples are left for the mesh.
+// The padding for a wide band is at most this share of the mesh's longest side: otherwise few samples would be left for
+// the mesh.
 constexpr double kMostPadding = 0.1;
 
 }  // namespace
@@ -144,7 +145,7 @@ namespace {
 constexpr const char* kSignGroup = "Sign";
 constexpr const char* kNames[] = {"--sign", "--rule", "--invert", "--as-oriented", "--outer", "--strict"};
 
-// All but --sign and --outer.
+// Adds all options but --sign and --outer.
 void add_details(CLI::App& verb, SignOptions& options) {
   add_parsed(
       verb, {"--rule", "NAME", "inside is where the winding number is positive (default),\nnonzero or odd", kSignGroup},

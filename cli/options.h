@@ -56,7 +56,7 @@ struct GridChoice {
 
 class GridOptions {
  public:
-  /// `samples`: on the longest side where nothing is said.
+  /// `samples` is the default for the longest side.
   explicit GridOptions(std::int64_t samples = kDefaultSamples) : samples_(samples) {}
 
   /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
@@ -66,7 +66,7 @@ class GridOptions {
 
   /// Whether any of them was given.
   bool given() const { return samples_given_ || spacing_ || size_ || bounds_ || padding_; }
-  /// Whether one was given that says more than how many samples the longest side has.
+  /// Whether one was given that says more than the resolution.
   bool shape_given() const { return spacing_ || size_ || bounds_ || padding_; }
 
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
@@ -106,7 +106,7 @@ struct SignHelp {
 /// Adds --sign, with all methods, and what goes with it. The thickness of --sign shell goes to `shell`: it may be in
 /// samples. The default is what `options` hold.
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help);
-/// With the help of verbs that answer with distances, for a default of none.
+/// Does the same with the help of verbs that answer with distances, whose default is none.
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
 
 /// Adds --sign, --rule, --invert, --as-oriented and --strict for verbs that ask about samples or triangles and not for

@@ -36,7 +36,7 @@ struct PointCounts {
   double largest = 0;
 };
 
-// Points that are answered together share work: the more the better. Fewer where an answer takes much memory.
+// Points in one block share work. Blocks are smaller where answers take more memory.
 std::size_t block_size(const AskedAnswers& asked) { return std::size_t{1} << (asked.needs_closest() ? 19 : 20); }
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -70,7 +70,7 @@ class Answering {
   const PointCounts& counts() const { return counts_; }
 
  private:
-  // Which points are NaN. A corner of the mesh takes the place of each, for the query knows no invalid points.
+  // Returns which points are NaN, and replaces each by a corner of the mesh, because the query knows no invalid points.
   std::vector<std::size_t> take_out_invalid(std::vector<Vec3>& points) const {
     std::vector<std::size_t> invalid;
     for (std::size_t n = 0; n < points.size(); ++n)
@@ -114,7 +114,7 @@ std::vector<Vec3> next_points(PointReader& reader, const AskedAnswers& asked) {
   return points;
 }
 
-// A thread of its own for `work`, where there is one to be had; else it is done when its result is taken.
+// Runs `work` on a thread of its own if one can be started, else when its result is taken.
 template <class Work>
 auto beside(Work work) {
   return std::async(std::launch::async | std::launch::deferred, std::move(work));
@@ -203,7 +203,7 @@ void PointsCommand::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-// Tells before any work what is wrong.
+// Checks the arguments before any work.
 void PointsCommand::check() {
   check_input(mesh.name());
   if (prepared_before() && (mesh.scaled() || is_given(options.sign)))

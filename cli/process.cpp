@@ -27,7 +27,7 @@ std::atomic<bool> line_drawn{false};
 std::atomic<bool> output_begun{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-// Text in a place of its own: a handler may not allocate.
+// Holds text without allocating, as a signal handler must.
 class FixedText {
  public:
   void clear() { size_ = 0; }
@@ -60,7 +60,7 @@ extern "C" void on_signal(int) {
   end(interruption, ErrorCode::interrupted);
 }
 
-// Field files are read from a mapping; what was there a moment ago is gone.
+// Field files are mapped: their pages vanish when another program shortens the file.
 extern "C" void on_lost_file(int) {
   end(
       [] {
@@ -128,7 +128,7 @@ int fail(ErrorCode code, const std::string& message) {
   return static_cast<int>(code);
 }
 
-// The library speaks of itself. What its user types to follow its advice is the program's to say.
+// The library's messages name no options of the program, so the program adds them.
 std::string with_options(const Error& error) {
   const std::string message = error.what();
   if (error.code() != ErrorCode::device || message.find("--device") != std::string::npos) return message;

@@ -11,7 +11,7 @@ namespace standoff::cli {
 
 /// Installs the handlers. Signals that the parent has set to be ignored (nohup) stay ignored. A closed pipe and a file
 /// past its size limit become ordinary write errors; a file that is shortened while it is read ends the program with a
-/// word.
+/// message.
 void install_signal_handlers();
 
 /// While one lives, the first signal only makes interrupted() true, for work that asks; a second one ends the program.
@@ -26,9 +26,8 @@ class Cancellable {
 
 bool interrupted();
 
-/// What is to be said of the interrupt, without a line's end: whether the file that was to be written is there after
-/// all, and that what went to a pipe or the standard output is cut off. The text lives until the next call.
-/// Async-signal-safe.
+/// Returns the message of the interrupt, without a line's end: whether the output file is complete, and that what went
+/// to a pipe or the standard output is cut off. The text lives until the next call. Async-signal-safe.
 std::string_view interruption();
 
 /// Says which of several files that were asked for is written last. Call it once, before the first is written.
@@ -37,7 +36,7 @@ void last_file_is(std::string_view name);
 /// Says that data goes to the standard output, which an interrupt would cut off.
 void output_has_begun();
 
-/// Whether a line on the terminal waits to be wiped; what a signal has to say then wipes it first.
+/// Notes whether a line is drawn on the terminal: the message of a signal wipes it first.
 void line_is_drawn(bool drawn);
 bool is_line_drawn();
 

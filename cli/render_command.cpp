@@ -50,7 +50,7 @@ class DrawingInput {
   const std::vector<std::string>& names() const { return names_; }
   std::int64_t memory_limit() const { return field_argument_.memory_limit(); }
 
-  /// Tells before anything is read what is wrong with names. Errors: usage, input.
+  /// Checks the names before anything is read. Errors: usage, input.
   void check() const;
   /// Reads all files and makes the layers. Errors: those of reading; usage when a layer is asked for of which there is
   /// no input.
@@ -80,7 +80,7 @@ class DrawingInput {
 };
 
 std::string head_of(const std::string& name) {
-  // A pipe can be looked at once.
+  // A pipe can be read only once.
   if (std::error_code ignored; !std::filesystem::is_regular_file(name, ignored)) return "";
   std::string head(4096, '\0');
   std::ifstream file(name, std::ios::binary);
@@ -158,7 +158,7 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
   const bool alone = meshes_.empty() && !layers.chosen;
   for (const DistanceField& field : fields_) {
     const bool has_sign = field.has_sign();
-    // Then there is something to see through the slice.
+    // A solid behind the slice shows through it.
     const bool shows_solid = (layers.mesh && !meshes_.empty()) || layers.iso || (alone && has_sign);
     if (layers.slice) {
       SliceOptions wanted;

@@ -17,10 +17,10 @@
 namespace standoff::cli {
 namespace {
 
-// Between the end of a page and the beginning of the same page, loaded again; a browser without hurry takes a second.
+// The longest gap between closing a page and loading it again; browsers need about a second.
 constexpr std::chrono::seconds kGrace{4};
 
-// How the page is seen from where the user is, if that is elsewhere.
+// Says how to reach the page over SSH, if the user is on another machine.
 std::string forwarding(int port) {
   if (!std::getenv("SSH_CONNECTION")) return {};
   char host[256] = "";

@@ -30,10 +30,10 @@ constexpr const char* kViewExamples =
   standoff view scene:factory -r 256 --up y -o factory.html
 )";
 
-// Enough to look at, and small enough to attach to a mail.
+// This is enough to look at, and small enough for a mail.
 constexpr std::int64_t kSamples = 128;
 
-// Without its folders, which say nothing to whom the page is sent.
+// Returns the name without its folders, which mean nothing to those who get the page.
 std::string shown_name(const std::string& file) {
   return file.starts_with("scene:") ? file.substr(6) : std::filesystem::path(file).filename().string();
 }
@@ -122,7 +122,7 @@ GridChoice ViewCommand::choose_grid(const Mesh& mesh) const {
   return grid.choose(box);
 }
 
-// Around all meshes, of the first: more would be drawn over each other.
+// Computes the field of the first mesh alone: several fields would be drawn over each other.
 void ViewCommand::compute_field(Subject& subject) {
   const Mesh& mesh = subject.meshes.front();
   const GridChoice choice = choose_grid(mesh);
@@ -132,7 +132,7 @@ void ViewCommand::compute_field(Subject& subject) {
     compute_options.progress = console.progress();
     return compute(mesh, choice.grid, choice.thickness, compute_options);
   }();
-  compute_options.progress = nullptr;  // and the bar with it
+  compute_options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   console.say("field: " + size_text(choice.grid.size) + " samples, " +
               (computed.report.sign.method == SignMethod::none ? "no sign" : computed.report.sign.why));
@@ -152,7 +152,7 @@ void ViewCommand::serve(Subject subject) {
   server.serve(console, view.watch(), [&](auto&&... asked) { view.answer(asked...); });
 }
 
-// Options that would say nothing. Errors: usage.
+// Refuses options that would have no effect. Errors: usage.
 void ViewCommand::check_options() const {
   if (output.given()) return server.check_unused("with -o nothing is served");
   const char* const option = grid.shape_given()                 ? "--size, --spacing, --bounds and --padding"

@@ -94,8 +94,8 @@ std::string read_text(const std::filesystem::path& path);
 /// Writes bytes as they are; the file appears whole or not at all. Errors: output.
 void write_text(const std::filesystem::path& path, std::string_view text, Existing existing = Existing::replace);
 
-/// In the system's folder for such files, readable by its owner alone. Removed at the end, and where a signal ends the
-/// program (remove_unfinished_files()).
+/// A file in the system's temporary folder, readable by its owner alone. The destructor removes it, and
+/// remove_unfinished_files() does where a signal ends the program.
 class TempFile {
  public:
   /// `suffix` is the end of its name, ".obj". Errors: output.
@@ -138,9 +138,9 @@ bool is_writing_straight() noexcept;
 /// that was being replaced keeps its old content. Writes that go on afterwards may fail.
 void remove_unfinished_files() noexcept;
 
-// Bytes put aside on the disk until it is known where they go.
+// Bytes may wait on the disk until it is known where they go.
 
-/// A file without a name: whatever happens, nothing of it is left. Every member throws Error{output}.
+/// A file without a name: nothing of it is left, however the process ends. Every member throws Error{output}.
 class SpoolFile {
  public:
   /// In that folder, whose disk has room for what is to become of the bytes. `shown` stands in messages.

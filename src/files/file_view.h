@@ -16,7 +16,7 @@
 
 namespace standoff {
 
-/// Closed at the end of its life; a number below zero is none.
+/// An open file, which the destructor closes; a number below zero stands for none.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -31,14 +31,14 @@ class Descriptor {
   }
 
   int number() const { return number_; }
-  /// Leaves it open, to the caller.
+  /// Hands the open file over to the caller.
   int release() { return std::exchange(number_, -1); }
 
  private:
   int number_ = -1;
 };
 
-// Named pipes that may have nobody at their other end: waiting for one can be stopped, and is said.
+// Opening a named pipe may wait for its other end. The wait can be stopped, and is reported.
 
 class ProgressMeter;
 
@@ -50,8 +50,8 @@ Descriptor open_to_read(const std::filesystem::path& path, ProgressMeter* waitin
 /// ::open.
 Descriptor open_to_write(const std::filesystem::path& path, const std::filesystem::path& shown);
 
-/// What gets a sentence, "FILE: ..", once somebody has waited for a pipe for a second. None by default: a library does
-/// not speak. Set it before any thread opens a file.
+/// Sets the function that gets a sentence, "FILE: ..", once an open has waited for a pipe for a second. By default
+/// there is none: a library prints nothing. Set it before any thread opens a file.
 void set_pipe_notice(void (*notice)(const std::string& sentence)) noexcept;
 
 // Input that is read front to back and never held as a whole: files larger than memory, pipes, the standard input.
@@ -130,7 +130,7 @@ class FileView {
   /// cannot hold, and for more from a pipe than a quarter of the machine's memory.
   explicit FileView(const std::filesystem::path& path, Access access = Access::copy)
       : FileView(path, access, nullptr) {}
-  /// One whose readers may be stopped: see check(). The meter must outlive it.
+  /// Makes a view whose readers may be stopped: see check(). The meter must outlive it.
   FileView(const std::filesystem::path& path, Access access, ProgressMeter& waiting)
       : FileView(path, access, &waiting) {}
   /// The bytes of an open file, `longest` at the most; `name` stands in messages. Errors: as above.
@@ -159,8 +159,8 @@ class FileView {
   std::string_view text(std::uint64_t offset, std::uint64_t bytes) const {
     return offset < size() ? bytes_.substr(offset, bytes) : std::string_view();
   }
-  /// Says that a part of the bytes is not looked at again: of a mapping its pages leave our memory. Other text than the
-  /// file's is passed over.
+  /// Says that a part of the bytes is not read again, so that pages of a mapping may leave memory. Text that is not the
+  /// file's is ignored.
   void forget(std::string_view part) const;
   /// The number whose bytes, little endian, begin at `offset`. Errors: input, where the file ends before.
   template <class Number>
@@ -192,7 +192,8 @@ class FileView {
   void* mapped_ = nullptr;
 };
 
-/// What a message says is wrong, without what it says to do: for those of a grid or a mesh that came from a file.
+/// Returns the part of a message that says what is wrong, without what to do: for errors of a grid or a mesh that came
+/// from a file.
 constexpr std::string_view diagnosis(std::string_view message) { return message.substr(0, message.find("; ")); }
 
 /// A part of a file, unpacked as it is read. Errors: input, as `FILE:WHERE: ...`, for bytes that are missing or

@@ -17,7 +17,7 @@
 
 namespace standoff {
 
-/// No deflated byte becomes more than this many. A file that claims more is damaged.
+/// One deflated byte inflates to at most this many bytes. A file that claims more is damaged.
 inline constexpr std::uint64_t kMostDeflated = 1032;
 
 class Inflater {
@@ -35,7 +35,7 @@ class Inflater {
   /// Fills `to` with the next `room` bytes and returns how many they are: fewer than `room` at the end alone. Memory is
   /// bounded whatever the file says. Errors: input, where the packed bytes are damaged or cut off.
   std::size_t read(char* to, std::size_t room);
-  /// The same, where fewer bytes than `room` are an error.
+  /// Does the same, but fewer bytes than `room` are an error.
   void fill(char* to, std::size_t room);
 
  private:
@@ -52,14 +52,14 @@ class Inflater {
   bool ended_ = false;
 };
 
-/// What gzip packed, front to back. Memory for the largest piece is taken.
+/// Unpacks what gzip packed, front to back. It holds memory for the largest piece.
 class GzipStream : public ByteStream {
  public:
   /// The file must outlive it.
   GzipStream(const FileView& file, std::string_view packed) : inflater_(file, "", packed, Inflater::Wrapper::gzip) {}
 
   std::string_view next(std::uint64_t bytes) override;
-  /// The checksum is at the end.
+  /// Compares the checksum, which is at the end.
   void finish() override;
 
  private:
@@ -74,7 +74,8 @@ bool is_gzip(std::string_view content);
 /// 64 MiB and 64 times the file's size; input, for damaged ones.
 std::unique_ptr<FileView> unpack_gzip(const FileView& file);
 
-/// Most bytes that so many packed ones may become where nothing else bounds them. Meshes shrink to a tenth or so.
+/// Returns how many bytes so many packed ones may become where nothing else bounds them. Meshes shrink to about a
+/// tenth.
 constexpr std::uint64_t most_unpacked(std::uint64_t packed) { return (std::uint64_t{64} << 20) + 64 * packed; }
 
 /// Signatures and sizes of the records of an archive: section 4.3.

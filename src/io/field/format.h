@@ -13,7 +13,7 @@
 
 namespace standoff {
 
-/// What of a file is asked for.
+/// What the caller wants of a file.
 struct FieldRequest {
   std::int64_t memory_limit = 0;  ///< bytes; 0 is no limit
   bool sidecars = true;

@@ -35,7 +35,7 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
               {.file = path.string()});
 }
 
-// ".vti or .npz": those that can carry what the caller asks for.
+// Lists the formats that can carry what the caller asks for: ".vti or .npz".
 std::string those_with(bool FieldFormat::*can) {
   std::string names;
   for (const FieldFormat* format : kFieldFormats)
@@ -49,7 +49,7 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   const FieldFormat& format = format_of(path, ErrorCode::input);
   ProgressMeter meter(options.progress);
   meter.stage("read", 1, 0, 1);
-  // Dense files can be larger than memory, and sparse fields of theirs small.
+  // The file is mapped: a dense file can be larger than memory, while its field is small.
   const FileView file(path, FileView::Access::map, meter);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {

@@ -100,7 +100,7 @@ class Archive {
     return array && array->type == "<u8" && is_small(*array, 8) ? array->value<std::uint64_t>(0) : 0;
   }
 
-  // What is no array of the field's own, and has a number or a few for each of its samples. Others may hold anything.
+  // Returns the other arrays that hold one or a few numbers for each sample. Arrays of other shapes are passed over.
   std::vector<StoredSidecar> sidecars(const Size3& size) const {
     std::vector<StoredSidecar> found;
     std::set<std::string> names = reserved_names();

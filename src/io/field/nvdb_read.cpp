@@ -60,7 +60,7 @@ std::unique_ptr<FileView> unpack(const FileView& file, std::uint64_t at, std::ui
   return std::make_unique<FileView>(file, std::move(unpacked), bytes);
 }
 
-// The one of floats; of several, the one called distance.
+// Finds the grid of floats; of several, the one called distance.
 FoundTile find_grid(const FileView& file, std::int64_t memory_limit) {
   namespace f = nvdb::file;
   const auto magic = file.size() < 8 ? 0 : file.number<std::uint64_t>(0);

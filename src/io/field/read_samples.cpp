@@ -95,8 +95,8 @@ class TileReader {
 
 enum class TileContent { outside, inside, near, bad };
 
-// What a tile holds of which `samples` lie in the grid; the rest is `far`. Branch-free, so that it costs little beside
-// reading: NaN is neither within the thickness nor as far as it.
+// Says what a tile holds of which `samples` lie in the grid; the others are `far`. It has no branches, so that it costs
+// little beside reading: NaN is neither within the thickness nor as far as it.
 TileContent content(const std::array<float, kTileSamples>& tile, float far, std::int64_t samples) {
   std::int64_t good = 0, outside = 0, inside = 0;
   for (const float value : tile) {
@@ -109,7 +109,7 @@ TileContent content(const std::array<float, kTileSamples>& tile, float far, std:
   return inside == samples ? TileContent::inside : TileContent::near;
 }
 
-// Branch-free as well: most tiles of a band's file have no triangle.
+// This has no branches either: most tiles of a band's file have no triangle.
 bool has_triangle(const std::array<std::uint32_t, kTileSamples>& tile) {
   int found = 0;
   for (const std::uint32_t triangle : tile) found |= static_cast<int>(triangle != kNoTriangle);
@@ -145,7 +145,7 @@ class TileWalk {
       : file_(file), stored_(stored), size_(stored.grid.size), far_(static_cast<float>(stored.thickness)) {}
 
   Size3 tile_count() const { return DistanceField::tiles_of(size_); }
-  // Bytes that are held of packed arrays: a layer.
+  // Returns the bytes that packed arrays hold: a layer each.
   double held() const {
     const Size3& n = size_;
     double bytes = 0;
@@ -318,7 +318,7 @@ FieldFile load_field(const FileView& file, const StoredField& stored, const Fiel
       loaded.sidecars.push_back(load_sidecar(file, sidecar, loaded.field));
     return loaded;
   } catch (const Error& error) {
-    // What a field says of its own limits lacks the file's name.
+    // A field's own errors lack the name of the file.
     if (error.code() == ErrorCode::input) throw;
     ErrorDetails details = error.details();
     details.file = file.path().string();

@@ -118,7 +118,7 @@ std::string place(const Coordinates& at) {
   return "node (" + std::to_string(at[0]) + "," + std::to_string(at[1]) + "," + std::to_string(at[2]) + ")";
 }
 
-// Towards minus infinity.
+// Rounds towards minus infinity.
 std::int64_t rounded_down(std::int64_t n, std::int64_t step) { return n - ((n % step) + step) % step; }
 
 }  // namespace
@@ -164,7 +164,7 @@ void FieldBuilder::end_finding() {
     grid_.size = *facts_.size;
   } else {
     if (least_[0] > most_[0]) file_.fail("no sample of the grid is active; save a level set of something");
-    // Leaves stay tiles.
+    // The grid begins at a multiple of a leaf's side, so that leaves are tiles.
     for (std::size_t axis = 0; axis < 3; ++axis) base_[axis] = rounded_down(least_[axis], kLeafSide);
     grid_.size = {most_[0] - base_[0] + 1, most_[1] - base_[1] + 1, most_[2] - base_[2] + 1};
     grid_.origin = facts_.origin + facts_.spacing * Vec3{double(base_[0]), double(base_[1]), double(base_[2])};
@@ -204,7 +204,7 @@ void FieldBuilder::begin_filling() {
   };
   if (const auto limit = static_cast<double>(request_.memory_limit); limit > 0 && needed > limit)
     refuse("its tiles need " + over_the_limit(needed, limit) + "; give a higher limit", limit_details(needed, limit));
-  // A few bytes can ask for very much: for a grid of which hardly anything is stored, or tiles of one value.
+  // A few bytes can ask for much memory: for a grid of which hardly anything is stored, or for tiles of one value.
   if (const auto most = static_cast<double>(most_unpacked(file_.size())); needed > 16 * most)
     refuse("its nodes lie so far apart that its tiles need " + over_the_limit(needed, 16 * most) +
                " for a file of its size; crop the grid",

@@ -16,7 +16,7 @@
 
 namespace standoff::vdb {
 
-/// No byte that LZ4 packed becomes more than this many: a length of n bytes says 255 n and a little.
+/// One byte packed by LZ4 unpacks to at most this many: a length of n bytes stands for about 255 n.
 inline constexpr std::uint64_t kMostBlosc = 255;
 
 /// Fills `to`, which must be all that was packed. Errors: input, also for other codecs.
@@ -86,11 +86,11 @@ class FieldBuilder {
 
   void find(const Leaf& leaf);
   void find(const Tile& tile);
-  /// All have been found.
+  /// Call it when all nodes have been found.
   void end_finding();
   void count(const Leaf& leaf);
   void count(const Tile& tile);
-  /// All have been counted: takes the memory. Errors: limit, before.
+  /// Call it when all nodes have been counted: it allocates the field. Errors: limit, before that.
   void begin_filling();
   /// No sample may be filled twice. `values` are in the order of a leaf.
   void fill(const Leaf& leaf, std::span<const float, 512> values);

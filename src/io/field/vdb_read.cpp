@@ -97,7 +97,7 @@ void ValueReader::read_data(Cursor& from, std::size_t count) {
   }
 }
 
-// After their length when packed; negative if they are not.
+// The length of the values comes first where values may be packed; it is negative if they are not.
 std::string_view ValueReader::unpacked(Cursor& from, std::size_t bytes) {
   const std::uint64_t at = from.at();
   const auto length = from.number<std::int64_t>();
@@ -162,7 +162,7 @@ std::vector<GridDescriptor> read_descriptors(Cursor& from) {
   return grids;
 }
 
-// The one of floats; of several, the one called distance.
+// Returns the grid of floats; of several, the one called distance.
 GridDescriptor chosen(const FileView& file, const std::vector<GridDescriptor>& grids) {
   std::vector<GridDescriptor> floats;
   std::string names;

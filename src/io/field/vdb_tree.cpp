@@ -45,7 +45,7 @@ class Builder {
   }
   bool beyond(const Size3& at) const { return at.x >= tiles_.x || at.y >= tiles_.y || at.z >= tiles_.z; }
 
-  // All of them by their first tile.
+  // Nodes are named by their first tile.
   Made upper(const Size3& first) {
     return node<kUpperLog>(first, kLowerSide / kLeafSide, tree_.uppers, tree_.lowers,
                            [this](const Size3& at, std::size_t) { return lower(at); });
@@ -106,8 +106,8 @@ Tree tree_of(const DistanceField& field, const AtomicFile& file) { return Builde
 
 namespace {
 
-// The values of a leaf's tile. Tiles hold the thickness beyond the grid, but nothing keeps a caller from writing there:
-// then they are made far and outside, in `room`.
+// Returns the values of a leaf's tile. Tiles hold the thickness beyond the grid, but a caller may have written there:
+// those samples become infinite, in `room`.
 const float* tile_in_grid(const DistanceField& field, const Tree::Leaf& leaf, std::array<float, 512>& room) {
   const Size3& size = field.grid().size;
   const float* const tile = stored_tile(field, leaf.slot);
@@ -121,7 +121,7 @@ const float* tile_in_grid(const DistanceField& field, const Tree::Leaf& leaf, st
   return room.data();
 }
 
-// Four numbers at once, and their bits: compilers make these loops wide for no other reason.
+// Four numbers at once, and their bits. Compilers do not vectorise these loops otherwise.
 using Four = float __attribute__((vector_size(16)));
 using FourBits = std::int32_t __attribute__((vector_size(16)));
 
@@ -135,7 +135,7 @@ Four load(const float* from) {
   return all;
 }
 Four magnitude(Four values) { return reinterpret_cast<Four>(bits_of(values) & kMagnitude); }
-// The second where the first is not a number.
+// Both return the second argument where the first is NaN.
 Four min(Four a, Four b) { return a < b ? a : b; }
 Four max(Four a, Four b) { return a > b ? a : b; }
 

@@ -122,7 +122,7 @@ namespace {
 
 constexpr std::int64_t kBlockBytes = std::int64_t{1} << 20;
 
-// Elements as they are.
+// Collects elements as they are.
 class Plain {
  public:
   explicit Plain(std::size_t element_bytes) : element_bytes_(element_bytes) {}

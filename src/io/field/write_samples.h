@@ -110,7 +110,7 @@ void send_elements(const DistanceField& field, const SampleArray& array, const A
   }
 }
 
-/// A view.
+/// Views a field, which must outlive it.
 class FieldSource {
  public:
   explicit FieldSource(const DistanceField& field, std::span<const Sidecar> sidecars = {});
@@ -120,7 +120,7 @@ class FieldSource {
   const Grid& grid() const { return grid_; }
   double thickness() const { return thickness_; }
   const Provenance& provenance() const { return provenance_; }
-  /// All of it; only a source that was made of a field has that.
+  /// The whole field. Only a source that was made of a field has it.
   const DistanceField& whole() const { return *whole_; }
   /// Distances, nearest triangles where there are any, sidecars.
   const std::vector<SampleArray>& arrays() const { return arrays_; }

@@ -248,7 +248,8 @@ class NpyFile : public CountedRows {
   }
 };
 
-// An archive has one array after the other, and answers come one by one: arrays wait beside it until all is known.
+// An archive holds one array after the other, but answers come row by row: arrays wait in files beside it until all
+// rows are known.
 class NpzFile : public AnswerWriter {
  public:
   NpzFile(const std::filesystem::path& path, const AskedAnswers& asked, Existing existing)

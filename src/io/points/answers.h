@@ -53,7 +53,7 @@ struct AnswerColumn {
 /// The columns of what is asked, the distance first.
 std::vector<AnswerColumn> columns_of(const AskedAnswers& asked);
 
-/// One answer as the bytes of its columns, one after the other, little endian; and what reads them back.
+/// One answer as the bytes of its columns, one after the other, little endian.
 class PackedRow {
  public:
   static constexpr std::uint8_t kNoFeature = 255;
@@ -81,7 +81,7 @@ class AnswerWriter {
   virtual ~AnswerWriter() = default;
 
   virtual void write(const AnswerBlock& block) = 0;
-  /// The file is complete, and takes its place. Without it nothing is left.
+  /// Completes the file, which then takes its place. Without this call nothing is left.
   virtual void finish() = 0;
 };
 

@@ -74,7 +74,7 @@ std::unique_ptr<PointReader> open_points(const std::string& name, InvalidPoints 
                     " files; give .csv, .ply, .npy or .npz (the vertices of a mesh: convert it to .ply)",
                 {.file = name});
   std::error_code ignored;
-  // What comes through a pipe can be looked at once.
+  // A pipe can be read only once.
   const bool file = std::filesystem::is_regular_file(name, ignored);
   char start[8];
   std::size_t got = 0;

@@ -16,7 +16,7 @@
 
 namespace standoff {
 
-/// What to make of points with a coordinate that is NaN, infinite or beyond kMaxCoordinate.
+/// What happens to points with a coordinate that is NaN, infinite or beyond kMaxCoordinate.
 enum class InvalidPoints {
   reject,  ///< an error that names the first of them
   mark,    ///< all their coordinates become NaN
@@ -42,8 +42,8 @@ class PointReader {
 /// are in docs/formats.md. Errors: input.
 std::unique_ptr<PointReader> open_points(const std::string& name, InvalidPoints invalid);
 
-/// Whether a point can be asked about. If not, it becomes NaN where invalid points are marked; where they are rejected
-/// nothing is done to it.
+/// Says whether a point is valid. If not, it becomes NaN where invalid points are marked; where they are rejected, it
+/// stays.
 bool check_point(Vec3& point, InvalidPoints invalid);
 /// The end of an error about such a point: "point 5 is not finite; ..".
 std::string invalid_point(std::uint64_t number, const Vec3& point);

@@ -25,14 +25,14 @@ std::string_view stripped(std::string_view field) {
   return field;
 }
 
-// What stands between two fields: the first of these that the first line contains, or blanks.
+// Returns the separator of fields: the first of these that the first line contains, or a blank.
 char separator_of(std::string_view line) {
   for (const char c : {';', ',', '\t'})
     if (line.find(c) != std::string_view::npos) return c;
   return ' ';
 }
 
-// The fields of a line, front to back. Many blanks part as one does.
+// Reads the fields of a line, front to back. Several blanks separate as one does.
 class Fields {
  public:
   Fields(std::string_view line, char separator) : line_(line), separator_(separator) { skip_blanks(); }
@@ -133,7 +133,7 @@ class TextPoints : public PointReader {
       columns_ = named;
       return true;
     }
-    // Three times the word for a missing value is no heading.
+    // Three equal words are no heading: they may stand for missing values.
     const bool three_names = std::ranges::none_of(first, &std::string_view::empty) && first[0] != first[1] &&
                              first[0] != first[2] && first[1] != first[2];
     if (three_names) unknown_names_ = lines_.number();
