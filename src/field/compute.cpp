@@ -12,7 +12,6 @@
 #include "field/plan.h"
 #include "field/prepare.h"
 #include "sign/outer/outer.h"
-#include "sign/shell.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
 #include "standoff/compute.h"

@@ -15,12 +15,10 @@
 #include "field/prepare.h"
 #include "field/skip.h"
 #include "sign/diagnosis/closed.h"
-#include "sign/diagnosis/outward.h"
-#include "sign/inside_rows.h"
-#include "sign/options.h"
 #include "sign/plan.h"
 #include "sign/rows/row_crossings.h"
-#include "sign/shell.h"
+#include "sign/sides.h"
+#include "sign/sign_field.h"
 
 namespace standoff {
 

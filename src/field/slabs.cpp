@@ -10,7 +10,6 @@
 #include "field/computation.h"
 #include "field/lattice.h"
 #include "field/plan.h"
-#include "sign/shell.h"
 #include "sign/sign_field.h"
 
 namespace standoff {

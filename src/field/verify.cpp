@@ -22,7 +22,7 @@
 #include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/orient.h"
-#include "sign/outer/exposed.h"
+#include "sign/outer/outer.h"
 #include "sign/sign_text.h"
 
 namespace standoff {
@@ -67,9 +67,9 @@ class SignJudge {
 // Edge by edge, without the hashes that compute() relies on.
 Closed closed_in_use(const OrientedMesh& mesh) {
   Closed closed{true, true};
-  MeshEdges(mesh.mesh).for_each([&](std::span<const EdgeUse> uses) {
+  MeshEdges(mesh.mesh).for_each([&](std::span<const HalfEdge> uses) {
     std::int64_t forward = 0, count = 0;
-    for (const EdgeUse& one : uses) {
+    for (const HalfEdge& one : uses) {
       const int use = mesh.use_of(one.triangle);
       forward += one.forward ? use : -use;
       count += use != 0;

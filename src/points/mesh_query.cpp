@@ -17,9 +17,9 @@
 #include "points/nearest.h"
 #include "points/nearest_on_device.h"
 #include "points/query_data.h"
-#include "sign/open_winding/node_stack.h"
-#include "sign/options.h"
+#include "sign/open_winding/cap_tree.h"
 #include "sign/outer/outer.h"
+#include "sign/plan.h"
 #include "standoff/error.h"
 
 namespace standoff {

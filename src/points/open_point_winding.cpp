@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "sign/open_winding/cap_angle.h"
-#include "sign/open_winding/winding_rule.h"
+#include "sign/open_winding/caps.h"
+#include "sign/sides.h"
 
 namespace standoff {
 namespace {

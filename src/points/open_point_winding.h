@@ -8,15 +8,13 @@
 
 #include "points/ray_winding.h"
 #include "sign/diagnosis/boundary.h"
-#include "sign/open_winding/cap_sum.h"
-#include "sign/open_winding/linear_field.h"
-#include "sign/open_winding/rim_tree.h"
-#include "sign/open_winding/rims.h"
+#include "sign/open_winding/cap_tree.h"
+#include "sign/open_winding/caps.h"
 #include "standoff/sign.h"
 
 namespace standoff {
 
-/// `check` counts looks at rims (node_stack.h), and may stop the work.
+/// `check` counts visits of rims (kLooks), and may stop the work.
 class OpenPointWinding {
  public:
   /// `boundary` is that of the mesh and not empty. Runs on the threads of the calling TBB arena.

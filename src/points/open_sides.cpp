@@ -8,7 +8,7 @@
 
 #include "core/threads.h"
 #include "points/known_windings.h"
-#include "sign/open_winding/winding_rule.h"
+#include "sign/sides.h"
 
 namespace standoff {
 namespace {

@@ -5,7 +5,7 @@
 #include "points/open_sides.h"
 #include "points/ray_winding.h"
 #include "sign/normal/pseudonormals.h"
-#include "sign/rows/integer_winding.h"
+#include "sign/rows/row_crossings.h"
 #include "standoff/error.h"
 
 namespace standoff {

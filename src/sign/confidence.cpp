@@ -14,12 +14,11 @@
 #include "core/mesh_copy.h"
 #include "core/threads.h"
 #include "sign/flood/flood.h"
-#include "sign/open_winding/node_stack.h"
+#include "sign/open_winding/cap_tree.h"
 #include "sign/open_winding/open_winding.h"
-#include "sign/options.h"
 #include "sign/plan.h"
-#include "sign/rows/integer_winding.h"
-#include "sign/sample_bits.h"
+#include "sign/rows/row_crossings.h"
+#include "sign/sign_field.h"
 #include "sign/sign_text.h"
 #include "standoff/error.h"
 
@@ -29,13 +28,13 @@ namespace {
 constexpr const char* kFewerSamples = "take fewer samples, or provide more memory";
 constexpr double kMarginError = 1e-3, kDoubtful = 0.05;
 
-// From x, y, z to y, z, x.
-Vec3 turned(const Vec3& v) { return {v.y, v.z, v.x}; }
-Grid turned(const Grid& grid) {
-  return {{grid.size.y, grid.size.z, grid.size.x}, turned(grid.origin), turned(grid.spacing)};
+// Rotates the axes: from x, y, z to y, z, x.
+Vec3 rotated(const Vec3& v) { return {v.y, v.z, v.x}; }
+Grid rotated(const Grid& grid) {
+  return {{grid.size.y, grid.size.z, grid.size.x}, rotated(grid.origin), rotated(grid.spacing)};
 }
-Mesh turned(Mesh mesh) {
-  for (Vec3& v : mesh.vertices) v = turned(v);
+Mesh rotated(Mesh mesh) {
+  for (Vec3& v : mesh.vertices) v = rotated(v);
   return mesh;
 }
 
@@ -51,7 +50,7 @@ struct ConfidenceCounts {
   }
 };
 
-// Calls add(counts, i, j, k) for each sample, and returns the sum.
+// The sum of counts after add(counts, i, j, k) for each sample.
 template <class Add>
 ConfidenceCounts sum_over(const Size3& size, const Add& add) {
   return tbb::parallel_reduce(
@@ -109,9 +108,9 @@ SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const 
   ConfidenceCounts counts;
   Threads(execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
-    // Lines along x, y and z, each as rows along x of a turned mesh.
-    const Mesh as_it_is = copy_of(mesh), along_y = turned(as_it_is), along_z = turned(along_y);
-    const Grid grid_y = turned(grid), grid_z = turned(grid_y);
+    // Lines along x, y and z, each as rows along x of a mesh with rotated axes.
+    const Mesh as_it_is = copy_of(mesh), along_y = rotated(as_it_is), along_z = rotated(along_y);
+    const Grid grid_y = rotated(grid), grid_z = rotated(grid_y);
     const SampleBits x = parities_along_x(as_it_is, grid, meter), y = parities_along_x(along_y, grid_y, meter),
                      z = parities_along_x(along_z, grid_z, meter);
     Flood flood(mesh, grid, meter);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the plan of a sign to what decides each sample.
+// Makes the Sides of a planned sign.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace standoff {
 
-/// What the sides are decided for. Only SignMethod::normal looks at thickness and nearest triangles.
+/// The field that needs a sign. Only SignMethod::normal looks at thickness and nearest triangles.
 struct UnsignedField {
   const Grid& grid;
   double thickness = 0;
   NearestTriangles nearest = {};
-  /// What crossings may take at a time (RowCrossings) where they can be found again; bytes.
+  /// The bytes that crossings may take at a time (RowCrossings) where they can be found again.
   std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
-/// What decides the sides of the field's samples by this plan; nothing where it turns out that there is no inside. What
-/// the grid shows goes into the plan. Requires plan.has_sign(), and not SignMethod::shell (shell.h). The mesh and the
-/// plan must stay where they are. Throws Error{interrupted, doubt}.
+/// The method of the plan for the field's samples; nothing if there is no inside after all. Reports in the plan what
+/// the grid shows. Requires plan.has_sign(), and not SignMethod::shell (Shell). The mesh and the plan must stay where
+/// they are. Throws Error{interrupted, doubt}.
 std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                                   ProgressMeter& progress);
 

@@ -1,22 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/plan.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
 #include "sign/diagnosis/closed.h"
 #include "sign/diagnosis/diagnose.h"
-#include "sign/diagnosis/outward.h"
 #include "standoff/error.h"
 
 namespace standoff {
+
+void validate(const SignOptions& options) {
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
+  const auto is = [&](SignMethod method) { return options.method == method; };
+  // Reject numbers that were cast to an enumeration.
+  const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
+  if (!one_of(options.method, SignMethod::automatic) || !one_of(options.rule, WindingRule::odd))
+    fail("there is no such sign method or winding rule; take one of enum SignMethod and of WindingRule");
+  if (options.rule != WindingRule::positive && !is(SignMethod::winding) && !is(SignMethod::automatic))
+    fail("a winding rule is for the sign methods winding and automatic; leave it out");
+  if (options.invert && is(SignMethod::none)) fail("a field without a sign cannot be inverted; choose a sign method");
+  if (options.as_oriented &&
+      (is(SignMethod::none) || is(SignMethod::parity) || is(SignMethod::flood) || is(SignMethod::shell)))
+    fail("this sign method does not look at the orientation of triangles; leave out that it is taken as it is");
+  if (options.strict && is(SignMethod::none))
+    fail("a field without a sign has none to be strict about; choose a sign method");
+  if (options.outer && !is(SignMethod::winding) && !is(SignMethod::automatic))
+    fail("outer is for the sign methods winding and automatic; leave it out");
+  if (is(SignMethod::shell) && !(options.shell > 0 && std::isfinite(options.shell)))
+    fail("the thickness of a shell must be positive and finite; give it in world units");
+  if (!is(SignMethod::shell) && options.shell != 0)
+    fail("a shell's thickness is for the sign method shell; leave it out");
+}
+
 namespace {
 
 [[noreturn]] void fail_at_plan(const std::string& what) { throw Error(ErrorCode::input, "compute: " + what); }
-
-std::string counted(std::int64_t n, const std::string& what) {
-  return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
-}
 
 void take(SignPlan& plan, Orientation orientation, Boundary boundary) {
   plan.use = std::move(orientation.use);
@@ -44,13 +64,13 @@ void plan_parity(SignPlan& plan, const Closed& closed) {
 void take_as_it_is(SignPlan& plan, MeshView mesh) {
   take(plan, {}, net_boundary({mesh}, MeshEdges(mesh)));
   plan.report.sure = false;
-  plan.report.why = "the mesh is open as it is oriented (" + counted(plan.report.boundary_edges, "edge") +
+  plan.report.why = "the mesh is open as it is oriented (" + counted(plan.report.boundary_edges, "edge", "edges") +
                     " do not cancel), so the generalised winding number decides";
 }
 
 void plan_winding(SignPlan& plan, MeshView mesh, const Closed& closed, const SignOptions& options,
                   ProgressMeter& progress) {
-  // Most meshes need no diagnosis.
+  // Skip the diagnosis, as most meshes need none.
   if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
     plan.report.method = SignMethod::winding;
     plan.report.why = "the mesh is closed and consistently oriented";

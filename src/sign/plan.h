@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is decided about the sign before any distance is computed: which method, and in which orientation.
+// The plan of a sign, made before any distance is computed: which method, and in which orientation.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,27 @@ namespace standoff {
 struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;        ///< OrientedMesh::use
-  std::vector<std::uint32_t> exposed;  ///< SignOptions::outer: triangles not internal, ascending; empty: all
+  std::vector<std::uint32_t> exposed;  ///< SignOptions::outer: triangles that are not internal, ascending; empty: all
   Boundary boundary;                   ///< of the mesh in that orientation; empty also where the method needs none
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };
 
-/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits but is not certain and
-/// `strict` is asked for. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
+/// Throws Error{input} where the method does not fit the mesh, Error{doubt} where it fits but is not certain and the
+/// options are `strict`. Requires a valid mesh and valid options. Runs on the threads of the calling TBB arena.
 /// `progress` is checked between steps.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& progress);
 
 /// Whether plan_sign() would look at the mesh's edges, which takes memory: a mesh that is closed and faces outwards
 /// needs no such diagnosis. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 bool needs_diagnosis(MeshView mesh, const SignOptions& options);
-/// What a diagnosis takes at most.
+/// The most memory that a diagnosis takes.
 constexpr std::int64_t diagnosis_bytes(std::int64_t triangles) { return 256 * triangles + (4 << 20); }
 
-/// Throws Error{doubt} where the plan is not certain and `strict` is asked for.
+/// Throws Error{doubt} where the plan is not certain and the options are `strict`.
 void expect_sure(const SignPlan& plan, const SignOptions& options);
+
+/// Checks how a sign is asked for. Throws Error{usage} where options are invalid, or exclude each other.
+void validate(const SignOptions& options);
 
 }  // namespace standoff

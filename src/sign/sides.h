@@ -1,14 +1,126 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the methods that decide a sign have in common: for each row of tiles they say which samples are inside.
+// What all sign methods have in common: which winding numbers are inside, which samples of a row of tiles are inside,
+// and the interface that decides them.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
+#include <vector>
 
-#include "sign/inside_rows.h"
+#include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 
+/// Whether points with this generalised winding number are inside. Exactly at a threshold, a half-integer, the value of
+/// smaller magnitude decides.
+inline bool is_inside(double winding, WindingRule rule) {
+  switch (rule) {
+    case WindingRule::positive:
+      return winding > 0.5;
+    case WindingRule::nonzero:
+      return std::abs(winding) > 0.5;
+    case WindingRule::odd:
+      return std::fmod(std::ceil(std::abs(winding) - 0.5), 2) == 1;
+  }
+  return false;
+}
+
+/// Whether samples with this winding number are inside.
+inline bool is_inside(std::int32_t winding, WindingRule rule) {
+  switch (rule) {
+    case WindingRule::positive:
+      return winding > 0;
+    case WindingRule::nonzero:
+      return winding != 0;
+    case WindingRule::odd:
+      return (winding & 1) != 0;
+  }
+  return false;
+}
+
+/// The distance of a generalised winding number from the nearest threshold.
+inline double margin(double winding, WindingRule rule) {
+  switch (rule) {
+    case WindingRule::positive:
+      return std::abs(winding - 0.5);
+    case WindingRule::nonzero:
+      return std::abs(std::abs(winding) - 0.5);
+    case WindingRule::odd:
+      return std::abs(winding - std::floor(winding) - 0.5);
+  }
+  return 0;
+}
+
+/// Which samples of the 64 rows of the tiles (., ty, tz) are inside: eight samples to a byte, the first one in its
+/// lowest bit. Samples beyond the grid are outside.
+class InsideRows {
+ public:
+  static constexpr int kSide = 8;              ///< samples of a tile along an axis: the bits of a byte
+  static constexpr int kRows = kSide * kSide;  ///< rows of a tile: row y + 8 z
+  static_assert(kSide == DistanceField::kTileSide);
+
+  explicit InsideRows(const Grid& grid);
+  /// The memory that an object takes.
+  static std::int64_t bytes(const Grid& grid);
+
+  /// Begins with the tiles (., ty, tz): all their samples are outside.
+  void clear(std::int64_t ty, std::int64_t tz);
+  /// Marks samples begin to end - 1 of a row that is in the grid. Requires begin < end.
+  void set(int row, std::int64_t begin, std::int64_t end);
+  /// Exchanges inside and outside from a sample of a row on, if `really`. finish_toggles() makes it take effect.
+  void toggle(int row, std::int64_t from, bool really) {
+    const std::int64_t tx = from / kSide;
+    first_tile_ = std::min(first_tile_, tx);
+    bits_[static_cast<std::size_t>(kRows * tx + row)] ^=
+        static_cast<std::uint8_t>((0xff << from % kSide) & -int{really});
+  }
+  /// Requires that the toggled samples were outside, and that nothing else was set.
+  void finish_toggles();
+  /// Exchanges inside and outside within the grid.
+  void invert();
+
+  /// Tile tx: a byte for each of its rows.
+  std::span<const std::uint8_t, kRows> tile(std::int64_t tx) const {
+    return std::span<const std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
+  }
+  /// The same for a caller that changes it.
+  std::span<std::uint8_t, kRows> tile(std::int64_t tx) {
+    first_tile_ = std::min(first_tile_, tx);
+    end_of_tiles_ = std::max(end_of_tiles_, tx + 1);
+    return std::span<std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
+  }
+  /// The byte of a row of tile tx if all its samples are inside.
+  std::uint8_t full_byte(int row, std::int64_t tx) const {
+    return in_grid(row) ? static_cast<std::uint8_t>(0xff >> (kSide - samples_along_x(tx))) : std::uint8_t{0};
+  }
+  /// Whether no sample, or every sample, of the tile within the grid is inside.
+  bool is_empty(std::int64_t tx) const;
+  bool is_full(std::int64_t tx) const;
+  /// All tiles that are not empty are from the first one to before the end.
+  std::int64_t first_tile() const { return first_tile_; }
+  std::int64_t end_of_tiles() const { return end_of_tiles_; }
+  bool is_inside(int row, std::int64_t i) const {
+    return (bits_[static_cast<std::size_t>(kRows * (i / kSide) + row)] >> (i % kSide) & 1) != 0;
+  }
+  /// Whether the row is a row of the grid.
+  bool in_grid(int row) const { return row % kSide < rows_y_ && row / kSide < rows_z_; }
+  const Size3& size() const { return size_; }
+
+ private:
+  std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
+
+  Size3 size_;
+  std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
+  std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
+  std::vector<std::uint8_t> bits_;  // by tile, then by row
+};
+
+/// A method that decides a sign: for each row of tiles it says which samples are inside.
 class Sides {
  public:
   Sides() = default;
@@ -16,13 +128,14 @@ class Sides {
   Sides& operator=(const Sides&) = delete;
   virtual ~Sides() = default;
 
-  /// Called before fill(), by one thread, with the number of a row of tiles, ty + tiles_y * tz: first 0, then what it
-  /// returned. Until it is called again fill() is called for rows of tiles from `first` to before the number returned.
-  /// So what is held at a time can be bounded. Runs on the threads of the calling TBB arena.
+  /// One thread calls it before fill(), with the number of a row of tiles, ty + tiles_y * tz: first 0, then the number
+  /// that it returned last. It prepares the rows of tiles from `first` to before the number that it returns, and fill()
+  /// is called for these rows only until the next load(). So memory can be bounded. Runs on the threads of the calling
+  /// TBB arena.
   virtual std::int64_t load([[maybe_unused]] std::int64_t first) { return std::numeric_limits<std::int64_t>::max(); }
 
-  /// Marks the samples that are inside in the tiles (., ty, tz). `rows` has been cleared for these tiles. Many threads
-  /// call it at once, each with rows of its own. Where a row of tiles may take long, throws Error{interrupted}.
+  /// Marks the samples that are inside in the tiles (., ty, tz), for which `rows` has been cleared. Many threads call
+  /// it at once, each with rows of its own. Throws Error{interrupted} where a row of tiles may take long.
   virtual void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const = 0;
 };
 

@@ -1,19 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/sign_field.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "core/tile_count.h"
 
 namespace standoff {
+
+// Signs.
+
 namespace {
 
 using FourUints = std::uint32_t __attribute__((vector_size(16)));
 
-// Negates the values of those of eight samples that are inside. Zero stays zero: a sample on the surface has no side.
+// Negates the values of the samples inside, among eight. Zero stays zero: a sample on the surface has no side.
 void negate(std::uint8_t inside, float* values) {
   constexpr std::array<FourUints, 2> bit{FourUints{1, 2, 4, 8}, FourUints{16, 32, 64, 128}};
   const FourUints all = FourUints{} + inside;
@@ -46,14 +53,14 @@ class TileSigns {
     if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
     negate_inside(rows_.tile(tx), values);
   }
-  // The last tile waits until it is called.
+  // Negates the tile that still waits.
   void finish() {
     if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kTileSamples>(waiting_, kTileSamples));
     waiting_ = nullptr;
   }
 
  private:
-  // Tiles are far from each other in memory: while one is negated the next one is fetched.
+  // Fetches a tile while the one before is negated, because tiles are far from each other in memory.
   void take(std::int64_t tx) {
     float* const values = field_.edit_tile(tx, ty_, tz_).data();
     for (int n = 0; n < kTileSamples; n += 16) __builtin_prefetch(values + n, 1);
@@ -107,6 +114,97 @@ void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> v
         }
       }
     }
+  });
+}
+
+SampleBits bits_of(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress) {
+  constexpr std::int64_t kSide = InsideRows::kSide;
+  SampleBits bits(grid.size);
+  for_each_row_of_tiles(sides, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
+    for (int row = 0; row < InsideRows::kRows; ++row) {
+      if (!rows.in_grid(row)) continue;
+      const std::int64_t j = kSide * ty + row % kSide, k = kSide * tz + row / kSide;
+      std::uint8_t* const to = bits.bytes.data() + (k * grid.size.y + j) * bits.row_bytes();
+      for (std::int64_t tx = 0; tx < bits.row_bytes(); ++tx) to[tx] = rows.tile(tx)[static_cast<std::size_t>(row)];
+    }
+  });
+  return bits;
+}
+
+// Shells.
+
+namespace {
+
+void apply_to(const Shell& shell, float& value, std::uint32_t* nearest) {
+  if (nearest && shell.is_deep(value)) *nearest = kNoTriangle;
+  value = shell.value(value);
+}
+
+void apply_to_tile(const Shell& shell, std::int64_t tx, std::int64_t ty, std::int64_t tz, DistanceField& field) {
+  if (!field.tile(tx, ty, tz)) {
+    if (shell.inverts()) field.mark_inside(tx, ty, tz);
+    return;
+  }
+  const auto values = field.edit_tile(tx, ty, tz);
+  std::uint32_t* const nearest = field.has_nearest() ? field.store_nearest(tx, ty, tz).data() : nullptr;
+  const Size3& size = field.grid().size;
+  const auto far = static_cast<float>(field.thickness());
+  for (std::int64_t n = 0; n < DistanceField::kTileSamples; ++n) {
+    const std::int64_t x = n % kTileSide, y = n / kTileSide % kTileSide, z = n / (kTileSide * kTileSide);
+    const bool in_grid = kTileSide * tx + x < size.x && kTileSide * ty + y < size.y && kTileSide * tz + z < size.z;
+    float& value = values[static_cast<std::size_t>(n)];
+    if (in_grid)
+      apply_to(shell, value, nearest ? nearest + n : nullptr);
+    else
+      value = far;
+  }
+}
+
+// Whether all samples of a tile that are in the grid are clamped to this value.
+bool is_clamped_to(float value, const DistanceField::Tile& tile, const Size3& size) {
+  const std::int64_t x_end = std::min<std::int64_t>(kTileSide, size.x - kTileSide * tile.at.x),
+                     y_end = std::min<std::int64_t>(kTileSide, size.y - kTileSide * tile.at.y),
+                     z_end = std::min<std::int64_t>(kTileSide, size.z - kTileSide * tile.at.z);
+  for (std::int64_t z = 0; z < z_end; ++z)
+    for (std::int64_t y = 0; y < y_end; ++y)
+      for (std::int64_t x = 0; x < x_end; ++x) {
+        const auto n = static_cast<std::size_t>(x + kTileSide * (y + kTileSide * z));
+        if (tile.values[n] != value || (!tile.nearest.empty() && tile.nearest[n] != kNoTriangle)) return false;
+      }
+  return true;
+}
+
+void drop_clamped_tiles(DistanceField& field) {
+  const auto far = static_cast<float>(field.thickness());
+  std::vector<Size3> outside, inside;
+  for (const DistanceField::Tile& tile : field.tiles()) {
+    if (is_clamped_to(far, tile, field.grid().size)) outside.push_back(tile.at);
+    if (is_clamped_to(-far, tile, field.grid().size)) inside.push_back(tile.at);
+  }
+  field.erase_tiles(outside);
+  field.erase_tiles(inside);
+  for (const Size3& at : inside) field.mark_inside(at.x, at.y, at.z);
+}
+
+}  // namespace
+
+void apply(const Shell& shell, DistanceField& field, ProgressMeter& progress) {
+  const Size3 tiles = field.tile_count();
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, tiles.y * tiles.z, 8), [&](const auto& range) {
+    for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+      progress.check();
+      for (std::int64_t tx = 0; tx < tiles.x; ++tx) apply_to_tile(shell, tx, n % tiles.y, n / tiles.y, field);
+    }
+  });
+  drop_clamped_tiles(field);
+}
+
+void apply(const Shell& shell, std::span<float> values, std::span<std::uint32_t> nearest, ProgressMeter& progress) {
+  constexpr std::size_t kGrain = std::size_t{1} << 16;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), kGrain), [&](const auto& range) {
+    progress.check();
+    for (std::size_t n = range.begin(); n != range.end(); ++n)
+      apply_to(shell, values[n], nearest.empty() ? nullptr : &nearest[n]);
   });
 }
 

@@ -1,22 +1,133 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives the values of an unsigned field their sign.
+// Signs of values: goes through the rows of tiles of a grid once, and negates values or collects bits where samples are
+// inside. SignMethod::shell alone changes magnitudes.
 #pragma once
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/progress.h"
-#include "sign/each_row_of_tiles.h"
+#include "core/threads.h"
+#include "core/tile_count.h"
+#include "sign/sides.h"
 #include "standoff/field.h"
+#include "standoff/grid.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 
-/// Negates the values inside. A tile that is not stored becomes an inside one, or is stored if it has samples on both
+/// Goes through the rows of tiles once, some layers of tiles at a time. What the sides have loaded serves all layers
+/// that it holds. Runs on the threads of the TBB arena that constructs it.
+class RowsOfTiles {
+ public:
+  RowsOfTiles(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress)
+      : sides_(sides),
+        invert_(invert),
+        tiles_y_(tiles_along(grid.size.y)),
+        all_(tiles_y_ * tiles_along(grid.size.z)),
+        progress_(progress),
+        scratch_([&grid] { return InsideRows(grid); }) {}
+
+  /// Calls use(rows, ty, tz) for each row of tiles of the next layers. Throws Error{interrupted}.
+  template <class Use>
+  void next_layers(std::int64_t layers, const Use& use) {
+    for (const std::int64_t end = std::min(all_, next_ + layers * tiles_y_); next_ < end;) {
+      if (next_ == loaded_) loaded_ = std::min(all_, sides_.load(next_));
+      const std::int64_t stop = std::min(end, loaded_);
+      tbb::parallel_for(tbb::blocked_range<std::int64_t>(next_, stop, 8), [&](const auto& range) {
+        InsideRows& rows = scratch_.local();
+        for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+          progress_.check();  // a range may be many rows
+          const std::int64_t ty = n % tiles_y_, tz = n / tiles_y_;
+          rows.clear(ty, tz);
+          sides_.fill(rows, ty, tz);
+          if (invert_) rows.invert();
+          use(rows, ty, tz);
+        }
+      });
+      next_ = stop;
+    }
+  }
+
+ private:
+  Sides& sides_;
+  bool invert_;
+  std::int64_t tiles_y_, all_;
+  ProgressMeter& progress_;
+  PerThread<InsideRows> scratch_;
+  std::int64_t next_ = 0, loaded_ = 0;  // numbers of rows of tiles
+};
+
+/// Calls use(rows, ty, tz) for each row of tiles, on the threads of the calling TBB arena. Throws Error{interrupted}.
+template <class Use>
+void for_each_row_of_tiles(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress, const Use& use) {
+  RowsOfTiles(sides, invert, grid, progress).next_layers(tiles_along(grid.size.z), use);
+}
+
+/// One bit for each sample of a grid. Rows along x, y before z; each begins with a new byte, its first sample in the
+/// lowest bit.
+struct SampleBits {
+  Size3 size;
+  std::vector<std::uint8_t> bytes;
+
+  explicit SampleBits(const Size3& samples)
+      : size(samples), bytes(static_cast<std::size_t>(row_bytes() * samples.y * samples.z)) {}
+
+  std::int64_t row_bytes() const { return (size.x + 7) / 8; }
+  bool operator()(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return (bytes[static_cast<std::size_t>((k * size.y + j) * row_bytes() + i / 8)] >> (i % 8) & 1) != 0;
+  }
+};
+
+/// Which samples are inside. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+SampleBits bits_of(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress);
+
+/// Negates the values inside. A tile that is not stored is marked as inside, or is stored if it has samples on both
 /// sides. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress);
-/// The same for the next layers of tiles of `rows`: those of `slab`, whose first one is layer `first_layer` of the grid
-/// that the rows are those of. Runs on the threads of their TBB arena.
+/// The same for the layers of tiles of a slab, which are the next ones of `rows`. The first one is layer `first_layer`
+/// of the whole grid. Runs on the threads of the TBB arena of `rows`.
 void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab);
 /// The same for one value per sample, x fastest.
 void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress);
+
+/// A sheet as a solid: the distance to it, less half of the solid's thickness. World units.
+class Shell {
+ public:
+  /// `thickness` is the thickness of the field. Requires SignMethod::shell and valid options.
+  Shell(const SignOptions& options, double thickness)
+      : half_(options.shell / 2),
+        thickness_(thickness),
+        reach_(static_cast<float>(thickness + half_)),
+        invert_(options.invert) {}
+
+  /// Distances must be known up to here, because the field's band lies on both sides of the solid's surface.
+  static double reach(double shell, double thickness) { return thickness + shell / 2; }
+
+  /// The field's value at a sample whose distance, at most the reach, was rounded to float. Rounds once more.
+  float value(float distance) const {
+    const double outwards = distance < reach_ ? distance - half_ : thickness_;
+    return static_cast<float>(std::clamp(invert_ ? 0 - outwards : outwards, -thickness_, thickness_));
+  }
+  /// Whether a sample at a distance below the reach is deep inside the solid, and so no band sample.
+  bool is_deep(float distance) const { return distance - half_ < -thickness_; }
+  bool inverts() const { return invert_; }
+
+ private:
+  double half_, thickness_;
+  float reach_;  // a backend writes this where the distance is larger
+  bool invert_;
+};
+
+/// Changes a field of thickness t that was filled with distances up to Shell::reach. Tiles without a band sample are
+/// then no longer stored. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+void apply(const Shell& shell, DistanceField& field, ProgressMeter& progress);
+/// The same for one value per sample; `nearest` may be empty.
+void apply(const Shell& shell, std::span<float> values, std::span<std::uint32_t> nearest, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -60,7 +60,7 @@ std::optional<SignText> sign_text_in(std::string_view text) {
     if (word == "inverted") found.invert = true;
     if (const auto number = number_in<double>(word)) found.shell = *number;
   }
-  // Whatever was passed over, repeated or in another order makes a difference here.
+  // Reject words that were passed over, repeated or in another order.
   if (found.method == SignMethod::none || written(found) != text) return std::nullopt;
   if (found.method == SignMethod::shell && !(found.shell > 0 && std::isfinite(found.shell))) return std::nullopt;
   if (found.outer && found.method != SignMethod::winding) return std::nullopt;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "geometry/predicates.h"
-#include "sign/flood/lattice_crossings.h"
+#include "sign/flood/lattice.h"
 #include "standoff/points.h"
 #include "surface/cells.h"
 #include "surface/methods.h"

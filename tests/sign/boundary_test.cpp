@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "sign/diagnosis/boundary_polygons.h"
 #include "sign/diagnosis/closed.h"
 #include "tests/sign/cases/solids.h"
 
@@ -74,8 +73,8 @@ TEST(Boundary, OfOneMissingTriangleRunsAlongItsSides) {
   EXPECT_EQ(diameter_of(boundary.loop(0)), longest);
   const std::vector<BoundaryPolygon> polygons = polygons_of(boundary);
   ASSERT_EQ(polygons.size(), 1u);
-  EXPECT_NEAR(cap_of(polygons[0], {}).area, length(cross(b - a, c - a)) / 2, 1e-14);
-  EXPECT_NEAR(cap_of(polygons[0], {1, 2, 3}).volume, dot(a - Vec3{1, 2, 3}, cross(b - a, c - a)) / 6, 1e-14);
+  EXPECT_NEAR(cap_sums_of(polygons[0], {}).area, length(cross(b - a, c - a)) / 2, 1e-14);
+  EXPECT_NEAR(cap_sums_of(polygons[0], {1, 2, 3}).volume, dot(a - Vec3{1, 2, 3}, cross(b - a, c - a)) / 6, 1e-14);
 }
 
 TEST(Boundary, OfAFlippedTriangleCountsTwice) {
@@ -112,7 +111,7 @@ TEST(Boundary, PolygonsOfTJunctionsHaveNoArea) {
     const Boundary boundary = boundary_of(shuffled(box_of_t_junctions({0, 0, 0}, {2, 1, 1}, 2), seed));
     EXPECT_EQ(boundary.loops(), 1u);
     double area = 0;
-    for (const BoundaryPolygon& polygon : polygons_of(boundary)) area += cap_of(polygon, {}).area;
+    for (const BoundaryPolygon& polygon : polygons_of(boundary)) area += cap_sums_of(polygon, {}).area;
     EXPECT_NEAR(area, 0, 1e-12);
   }
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closed meshes are recognised, however they are stored; meshes that lack or turn a single triangle are not.
 #include "sign/diagnosis/closed.h"
 
 #include <gtest/gtest.h>
@@ -8,12 +7,22 @@
 #include <vector>
 
 #include "scenes/scenes.h"
+#include "standoff/compute.h"
+#include "standoff/mesh_report.h"
+#include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 
 namespace standoff {
 namespace {
 
+using testing::box;
+using testing::joined;
+using testing::moved;
 using testing::Random;
+using testing::reversed;
+using testing::sphere;
+
+// Closed meshes are recognised, however they are stored; meshes that lack or turn a single triangle are not.
 
 struct Expected {
   bool oriented, unoriented;
@@ -94,6 +103,37 @@ TEST(Closed, DegenerateTrianglesAndDuplicates) {
   expect_closed(mesh, {true, true}, "all twice");
   Mesh many{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(4096, Triangle{0, 1, 2})};
   expect_closed(many, {false, true}, "one triangle 4096 times");
+}
+
+// Which meshes need no diagnosis: closed ones whose parts all have a positive volume.
+
+Mesh flat(Mesh mesh) {
+  for (Vec3& v : mesh.vertices) v.z = 0;
+  return mesh;
+}
+
+TEST(Outward, AllPartsMustFaceOutwards) {
+  EXPECT_TRUE(faces_outwards(box()));
+  EXPECT_TRUE(faces_outwards(joined(box(), moved(sphere(), {1e6, 0, 0}, 1e-3))));
+  EXPECT_FALSE(faces_outwards(reversed(box())));
+  EXPECT_FALSE(faces_outwards(joined(box(), reversed(moved(sphere(), {1e6, 0, 0}, 1e-3)))));
+  Mesh unused = box();
+  unused.vertices.push_back({5, 5, 5});
+  EXPECT_TRUE(faces_outwards(unused));
+}
+
+// Closed, all of them, and without an inside: what compute() takes by itself is what the report recommends.
+TEST(Outward, ClosedMeshesWithoutAVolumeAreDiagnosed) {
+  Mesh both{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};
+  const Mesh point{{{0, 0, 0}}, {{0, 0, 0}}};
+  const Grid grid{{6, 6, 6}, {-1, -1, -1}, {0.5, 0.5, 0.5}};
+  for (const Mesh& mesh : {both, point, flat(box())}) {
+    EXPECT_FALSE(faces_outwards(mesh));
+    const SignReport used = compute(mesh, grid, 1, {.sign = {SignMethod::automatic}}).report.sign;
+    const MeshReport found = report(mesh);
+    EXPECT_EQ(used.method, found.method) << used.why;
+    EXPECT_EQ(used.sure, found.sure) << used.why;
+  }
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 #include "core/tile_count.h"
 #include "scenes/scenes.h"
-#include "sign/rows/integer_winding.h"
+#include "sign/rows/row_crossings.h"
 #include "tests/sign/cases/solids.h"
 #include "tests/sign/sides_of.h"
 #include "tests/sign/solid_soup.h"

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include "sign/flood/lattice_crossings.h"
+#include "sign/flood/lattice.h"
 #include "tests/sign/solid_soup.h"
 
 namespace standoff {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/tile_count.h"
-#include "sign/rows/integer_winding.h"
+#include "sign/rows/row_crossings.h"
 #include "tests/sign/brute_winding.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/sides_of.h"

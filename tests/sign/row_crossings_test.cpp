@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/threads.h"
-#include "sign/rows/integer_winding.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/heap.h"
 

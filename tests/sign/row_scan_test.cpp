@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "sign/inside_rows.h"
 #include "sign/rows/ray_crossing.h"
+#include "sign/sides.h"
 #include "simd/dispatch.h"
 #include "tests/support/random_mesh.h"
 

@@ -17,8 +17,8 @@ using namespace standoff::STANDOFF_TARGET;
 //
 // Let W, H and R bound |p|, |q| and |x|, and let u = 2^-24. A corner is rounded to float, off by W u. So |a| <= 2W,
 // |b| <= 2H, |c| <= 4WH are off by 4Wu, 4Hu, 20WHu, and E, of four operations more, by less than 2^6 WH u. Its sign is
-// sure beyond twice that, kRounding W H; and 8 s (W + H + s) more where coordinates are off by s, which W and H are not
-// less than.
+// sure beyond twice that, kRounding W H; and 8 s (W + H + s) more where coordinates are off by s, which is at most W
+// and H.
 //
 // x_p and x_q are quotients by the area, of minors like it, with R in place of W or H. In the triangle the errors of
 // the three move x by less than the first order of 4 R W H / area times the error of E / (W H). That is taken twice: if
@@ -56,7 +56,7 @@ STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, 
   const float b0 = t.at[0].q - t.at[1].q, b1 = t.at[1].q - t.at[2].q, b2 = t.at[2].q - t.at[0].q;
   const float area = a0 * b2 - a2 * b0;
   leaves = area > 0;
-  // As if the corners turned left.
+  // Orient the sides as if the corners turned left.
   const float sign = leaves ? 1.0f : -1.0f;
   const auto side = [&](float a, float b, float p, float q) __attribute__((always_inline)) {
     return LinearOfRow{WideFloat(sign * b), WideFloat(sign * a), WideFloat(-sign * (b * p + a * q))};
@@ -67,7 +67,7 @@ STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, 
   const float bound = kRounding * wh + 16 * t.slack * w_h;
 
   const float x1 = t.x[1] - t.x[0], x2 = t.x[2] - t.x[0], per_area = 1 / area;
-  // Of u x v with u = (x1, a0, -b0) and v = (x2, -a2, b2), the normal.
+  // Take the parts of the normal u x v, with u = (x1, a0, -b0) and v = (x2, -a2, b2).
   const float x_p = (b0 * x2 + b2 * x1) * per_area, x_q = (a0 * x2 + a2 * x1) * per_area;
   const float x_0 = t.x[0] - x_p * t.at[0].p - x_q * t.at[0].q;
   const LinearOfRow plane{WideFloat(x_p), WideFloat(x_q), WideFloat(x_0)};
@@ -84,7 +84,7 @@ STANDOFF_INLINE void cross_patch(const RowPatch& t, std::uint32_t first_number, 
     const WideFloat e0 = side0.at(p, q), e1 = side1.at(p, q), e2 = side2.at(p, q);
     const WideFloat least = min(min(e0, e1), e2), most = max(max(e0, e1), e2);
     const WideFloat x = plane.at(p, q);
-    // The nearest whole number: what is added leaves no room for fractions.
+    // Round to the nearest whole number: the sum has no room for fractions.
     const WideFloat whole(0x1.8p23f), nearest = (x + whole) - whole, off = x - nearest;
     const Mask inside = less(WideFloat(bound), least),
                outside = less(least, WideFloat(-bound)) & less(WideFloat(bound), most),
@@ -108,7 +108,7 @@ void cross_rows(const RowPatch* patches, int count, CrossedRows& found) {
 }  // namespace
 
 // The kernel that adds up solid angles of triangles, sixteen at once. Half of a solid angle is the argument of x + iy
-// (van Oosterom and Strackee 1983); solid_angles.h has the bound of its error.
+// (van Oosterom and Strackee 1983); angle_error() bounds its error.
 
 namespace {
 
@@ -150,7 +150,7 @@ void add_solid_angles(const AngleTriangles& triangles, std::int64_t first, int c
     WideFloat x = (all + fma(dot(a, b), lc, fma(dot(b, c), la, dot(c, a) * lb))) * per, y = dot(a, cross(b, c)) * per;
     const WideFloat nearest = min(la, min(lb, lc)), sq = fma(x, x, y * y);
     const Mask exist = mask_from_bits(count - n < WideFloat::kLanes ? (1u << (count - n)) - 1 : 0xffff);
-    // Not where a comparison with no number is false.
+    // NaN makes a comparison false, and so is left out.
     const Mask good = exist & less_equal(WideFloat(least_length), nearest) & less_equal(WideFloat(kLeastSq), sq) &
                       (less_equal(WideFloat(0.1f), x) | less_equal(WideFloat(1e-3f), abs(y)));
     const Mask left = exist & ~good;
@@ -162,7 +162,7 @@ void add_solid_angles(const AngleTriangles& triangles, std::int64_t first, int c
     x = select(good, x, one);
     y = select(good, y, zero);
     const WideFloat next_re = re * x - im * y, next_im = re * y + im * x;
-    // Two angles of the upper half plane sum up to [0, 2 pi]: beyond pi, the product is in the lower one.
+    // Two angles of the upper half plane add up to [0, 2 pi]; beyond pi, the product is in the lower half plane.
     const Mask lower = less(im, zero), y_lower = less(y, zero), next_lower = less(next_im, zero);
     around =
         around + select(~lower & ~y_lower & next_lower, one, zero) - select(lower & y_lower & ~next_lower, one, zero);

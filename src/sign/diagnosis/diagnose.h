@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must be known of a mesh to choose a sign method, and what the methods need of it.
+// Finds out which sign method fits a mesh, and what the methods need: its orientation and its boundary.
 #pragma once
+
+#include <cstdint>
+#include <string>
 
 #include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
@@ -13,12 +16,14 @@ namespace standoff {
 struct Diagnosis {
   Orientation orientation;
   Boundary boundary;  ///< of the mesh in that orientation
-  /// Without components, their nesting, and intersections.
-  MeshReport report;
+  MeshReport report;  ///< without components, their nesting, and intersections
 };
 
 /// Requires a valid mesh and its edges. `progress` is checked between steps. Runs on the threads of the calling TBB
 /// arena.
 Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progress);
+
+/// A number with a noun, such as "1 edge" or "2 edges".
+std::string counted(std::int64_t n, const char* one, const char* many);
 
 }  // namespace standoff

@@ -24,7 +24,7 @@ void MeshEdges::find(MeshView mesh, ProgressMeter& progress) {
     }
   });
 
-  // A counting sort by the low end, then each low end's few sides by themselves.
+  // Sort by the low end by counting, then the few sides of each low end.
   const auto for_each_side = [&](const auto& use) {
     constexpr std::size_t kCheckEvery = std::size_t{1} << 16;
     for (std::size_t t = 0; t < triangles; ++t) {
@@ -32,26 +32,34 @@ void MeshEdges::find(MeshView mesh, ProgressMeter& progress) {
       for (std::uint8_t n = 0; n < 3; ++n) {
         const std::uint32_t from = corners_[3 * t + n], to = corners_[3 * t + (n + 1) % 3];
         if (from == to) continue;
-        use(EdgeUse{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(t), n, from < to});
+        use(HalfEdge{std::min(from, to), std::max(from, to), static_cast<std::uint32_t>(t), n, from < to});
       }
     }
   };
   progress.check();
   first_.resize(std::size_t{count} + 1);
-  for_each_side([&](const EdgeUse& side) { ++first_[side.low + 1]; });
+  for_each_side([&](const HalfEdge& side) { ++first_[side.low + 1]; });
   for (std::size_t n = 0; n < count; ++n) first_[n + 1] += first_[n];
   progress.check();
-  uses_.resize(first_[count]);
+  half_edges_.resize(first_[count]);
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-  for_each_side([&](const EdgeUse& side) { uses_[next[side.low]++] = side; });
+  for_each_side([&](const HalfEdge& side) { half_edges_[next[side.low]++] = side; });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024), [&](const auto& range) {
     progress.check();
     for (std::size_t n = range.begin(); n != range.end(); ++n)
-      std::sort(uses_.begin() + static_cast<std::ptrdiff_t>(first_[n]),
-                uses_.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]), [](const EdgeUse& a, const EdgeUse& b) {
+      std::sort(half_edges_.begin() + static_cast<std::ptrdiff_t>(first_[n]),
+                half_edges_.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]),
+                [](const HalfEdge& a, const HalfEdge& b) {
                   return std::tie(a.high, a.triangle, a.corner) < std::tie(b.high, b.triangle, b.corner);
                 });
   });
+}
+
+DisjointSets MeshEdges::connected_positions() const {
+  DisjointSets connected(positions());
+  for (std::size_t t = 0; 3 * t < corners_.size(); ++t)
+    for (const int corner : {1, 2}) connected.join(position(t, 0), position(t, corner));
+  return connected;
 }
 
 }  // namespace standoff

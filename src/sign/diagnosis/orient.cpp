@@ -3,13 +3,11 @@
 
 #include <algorithm>
 
-#include "sign/diagnosis/copies.h"
-#include "sign/diagnosis/edge_sides.h"
+#include "sign/diagnosis/duplicates.h"
+#include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/nesting.h"
 #include "sign/diagnosis/patches.h"
-#include "sign/diagnosis/pieces.h"
-#include "sign/diagnosis/solid.h"
-#include "sign/diagnosis/two_sided_parts.h"
+#include "sign/oriented_mesh.h"
 
 namespace standoff {
 namespace {
@@ -39,10 +37,10 @@ std::vector<Part> parts_of(const Pieces& pieces, const std::vector<PieceSize>& s
   return parts;
 }
 
-// For each piece -1 if it is to be turned, else 1.
-std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vector<PieceSize>& sizes,
-                                  const Nesting& nesting) {
-  // The sign of the volume of the outermost piece around each, 0 while it is unknown.
+// The orientation of each piece: -1 if it must be flipped, else 1.
+std::vector<std::int8_t> orientations_of(const std::vector<Part>& parts, const std::vector<PieceSize>& sizes,
+                                         const Nesting& nesting) {
+  // Find the sign of the volume of the outermost piece around each piece; 0 while it is unknown.
   std::vector<std::int8_t> outermost(parts.size());
   std::vector<std::uint32_t> inwards;
   for (std::uint32_t n = 0; n < parts.size(); ++n) {
@@ -56,17 +54,17 @@ std::vector<std::int8_t> turns_of(const std::vector<Part>& parts, const std::vec
     }
     for (const std::uint32_t piece : inwards) outermost[piece] = outermost[at];
   }
-  std::vector<std::int8_t> turns(parts.size(), 1);
+  std::vector<std::int8_t> orientations(parts.size(), 1);
   for (std::size_t n = 0; n < parts.size(); ++n) {
     if (!parts[n].solid) continue;
     const bool inside_out = sizes[n].sums.volume * outermost[n] < 0;
-    turns[n] = static_cast<std::int8_t>(inside_out && nesting.depth[n] % 2 == 0 ? -outermost[n] : outermost[n]);
+    orientations[n] = static_cast<std::int8_t>(inside_out && nesting.depth[n] % 2 == 0 ? -outermost[n] : outermost[n]);
   }
-  return turns;
+  return orientations;
 }
 
-// Turns the pieces with a volume outwards. Returns whether their nesting is known.
-bool turn_outwards(MeshView mesh, const Pieces& pieces, std::vector<std::int8_t>& use) {
+// Orients the pieces with a volume outwards. Returns whether their nesting is known.
+bool orient_outwards(MeshView mesh, const Pieces& pieces, std::vector<std::int8_t>& use) {
   const std::vector<PieceSize> sizes = sizes_of({mesh, use}, pieces);
   const std::vector<Part> parts = parts_of(pieces, sizes);
   const auto is_inside_out = [&](std::size_t n) { return parts[n].solid && sizes[n].sums.volume < 0; };
@@ -75,34 +73,29 @@ bool turn_outwards(MeshView mesh, const Pieces& pieces, std::vector<std::int8_t>
   if (!any) return true;
   const Nesting nesting = find_nesting({mesh, use}, pieces.of, parts);
   if (!nesting.known) return false;
-  const std::vector<std::int8_t> turns = turns_of(parts, sizes, nesting);
-  for (std::size_t t = 0; t < use.size(); ++t) use[t] = static_cast<std::int8_t>(use[t] * turns[pieces.of[t]]);
+  const std::vector<std::int8_t> orientations = orientations_of(parts, sizes, nesting);
+  for (std::size_t t = 0; t < use.size(); ++t) use[t] = static_cast<std::int8_t>(use[t] * orientations[pieces.of[t]]);
   return true;
 }
 
 std::int64_t boundary_edges(const MeshEdges& edges, const std::vector<std::int8_t>& use) {
   std::int64_t count = 0;
-  for_each_edge(edges, use, [&](std::span<const EdgeUse> sides) {
-    std::int64_t excess = 0;
-    for (const EdgeUse& side : sides) excess += side.forward ? use[side.triangle] : -use[side.triangle];
-    count += excess != 0;
-  });
+  for_each_edge(edges, use, [&](std::span<const HalfEdge> sides) { count += excess_of(sides, use) != 0; });
   return count;
 }
 
-// Two-sided parts of which most is not used, on either side.
-void add_cancelled(MeshView mesh, const TwoSidedParts& parts, const Copies& copies, Orientation& found) {
+// Counts the two-sided parts of which most is not used, on either side.
+void add_cancelled(MeshView mesh, const TwoSidedParts& parts, const Duplicates& duplicates, Orientation& found) {
   if (parts.size() == 0) return;
   double all = 0, cancelled = 0;
   std::vector<double> used(parts.size()), left_out(parts.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [a, b, c] = mesh.corners(t);
-    const double area = length(cross(b - a, c - a)) / 2;
+    const double area = area_of(mesh.corners(t));
     all += area;
-    if (parts.of[t] != TwoSidedParts::kNone) (copies.use[t] != 0 ? used : left_out)[parts.of[t]] += area;
+    if (parts.of[t] != TwoSidedParts::kNone) (duplicates.use[t] != 0 ? used : left_out)[parts.of[t]] += area;
   }
   for (std::size_t n = 0; n < parts.size(); ++n) {
-    // Of a surface that counts once, as much is used as left out.
+    // A surface that counts once has the same area used as left out.
     if (!(left_out[n] > 3 * used[n])) continue;
     ++found.cancelled_parts;
     cancelled += left_out[n];
@@ -110,12 +103,12 @@ void add_cancelled(MeshView mesh, const TwoSidedParts& parts, const Copies& copi
   if (all > 0) found.cancelled_share = cancelled / all;
 }
 
-// Patches of one triangle that is left out, or whose corners are not three positions, are none.
+// The number of patches, less those of one triangle that is left out or has two equal corners.
 std::int64_t patches_in_use(const MeshEdges& edges, const Patches& patches) {
   auto count = static_cast<std::int64_t>(patches.size());
   for (std::size_t t = 0; t < patches.of.size(); ++t) {
     const std::uint32_t a = edges.position(t, 0), b = edges.position(t, 1), c = edges.position(t, 2);
-    count -= patches.turn[t] == 0 || a == b || b == c || c == a;
+    count -= patches.orientation[t] == 0 || a == b || b == c || c == a;
   }
   return count;
 }
@@ -126,35 +119,35 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   const std::size_t triangles = mesh.triangles.size();
   Orientation found;
   found.inconsistent_before = inconsistent_edges(edges, {});
-  Copies copies = find_copies(edges, triangles, {});
-  const TwoSidedParts parts = find_two_sided_parts(mesh, edges, copies);
-  if (std::ranges::count(parts.kept, 1) > 0) copies = find_copies(edges, triangles, parts);
-  add_cancelled(mesh, parts, copies, found);
-  found.repeated = copies.repeated;
-  found.same = copies.same;
-  found.opposite = copies.opposite;
-  found.two_sided = copies.two_sided;
+  Duplicates duplicates = find_duplicates(edges, triangles, {});
+  const TwoSidedParts parts = find_two_sided_parts(mesh, edges, duplicates);
+  if (std::ranges::count(parts.kept, 1) > 0) duplicates = find_duplicates(edges, triangles, parts);
+  add_cancelled(mesh, parts, duplicates, found);
+  found.repeated = duplicates.repeated;
+  found.same = duplicates.same;
+  found.opposite = duplicates.opposite;
+  found.two_sided = duplicates.two_sided;
 
-  Patches patches = find_patches(edges, copies, triangles);
+  Patches patches = find_patches(edges, duplicates, triangles);
   found.patches = patches_in_use(edges, patches);
   found.unorientable = std::ranges::count(patches.unorientable, 1);
   const Pieces pieces = find_pieces(mesh, edges, patches);
-  found.use = std::move(patches.turn);
-  found.nesting_known = turn_outwards(mesh, pieces, found.use);
+  found.use = std::move(patches.orientation);
+  found.nesting_known = orient_outwards(mesh, pieces, found.use);
 
-  // Of two opposite copies that one is used which need not be flipped.
-  for (const auto& [kept, opposite] : copies.either)
+  // Of two opposite copies, use the one that need not be flipped.
+  for (const auto& [kept, opposite] : duplicates.either)
     if (found.use[kept] < 0) {
       found.use[kept] = 0;
       found.use[opposite] = 1;
     }
   found.flipped = std::ranges::count(found.use, -1);
-  found.left_out = copies.left_out + pieces.walls;
+  found.left_out = duplicates.left_out + pieces.walls;
   found.walls = pieces.walls;
   found.inconsistent_after = inconsistent_edges(edges, found.use);
   found.boundary_edges = boundary_edges(edges, found.use);
   // A mesh that needs nothing is used as it is, with the pairs that cancel each other.
-  if (found.flipped == 0 && found.walls == 0 && copies.same_winding) {
+  if (found.flipped == 0 && found.walls == 0 && duplicates.same_winding) {
     found.use.clear();
     found.left_out = 0;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sign/diagnosis/outer_hull.h"
+#include "sign/diagnosis/patches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,24 @@
 
 #include "geometry/predicates.h"
 #include "sign/diagnosis/disjoint_sets.h"
-#include "sign/diagnosis/edge_sides.h"
-#include "sign/diagnosis/solid.h"
+#include "sign/diagnosis/mesh_edges.h"
+#include "sign/oriented_mesh.h"
 
 namespace standoff {
+
+// The patches divide space into cells. A patch has a cell in front of it and one behind; around a nonmanifold edge, two
+// faces next to each other by angle share the cell between them, and so all cells follow from the edges (Zhou,
+// Grinspun, Zorin, Jacobson 2016, "Mesh arrangements for solid geometry"). The signed volume of the faces around a
+// cell, oriented to look out of it, is its volume; but around the unbounded cell they look inwards, and it is negative.
+// So the outside is where the volume is negative. (A brim around a ball divides the outside into two cells, since a
+// patch's sides are not joined at its free edges: so holes in a hull do not matter.)
+//
+// This is exact if the patches of a piece meet at edges only, whatever the shape of the rooms: exact predicates compare
+// angles. Where patches pass through each other it is a guess. But at nonmanifold edges the hull always closes, because
+// the way around one of them passes into the outside as often as out of it. (Unless faces without an area hide that:
+// then it may not.) If a patch that is nearly closed passes through others at such an edge, the cells on its two sides
+// may be taken for one; then the hull that is found leaves it out, and may be a tiny room beside it.
+
 namespace {
 
 // The two sides of patches, as members of sets: the cells.
@@ -22,16 +36,16 @@ std::uint32_t back_of(std::uint32_t patch) { return 2 * patch + 1; }
 struct HullFace {
   Vec3 third;  // its corner that is not on the edge
   std::uint32_t triangle;
-  // The sides of its patch: with the thumb from the edge's low end to the high one, where the fingers of the right hand
-  // go, and where they come from.
+  // The sides of its patch. With the right thumb from the edge's low end to the high one, the fingers point to `ahead`,
+  // and come from `behind`.
   std::uint32_t ahead, behind;
   int quarter = 0;
 };
 
-// Sorts faces by their angle around an edge, from that of the first one on.
-class AroundEdge {
+// Sorts faces by their angle around an edge, counted from the first one.
+class AngleOrder {
  public:
-  AroundEdge(const Vec3& low, const Vec3& high) : low_(low), high_(high) {}
+  AngleOrder(const Vec3& low, const Vec3& high) : low_(low), high_(high) {}
 
   void sort(std::vector<HullFace>& faces) const {
     std::erase_if(faces, [&](const HullFace& face) { return !has_area(face.third); });
@@ -54,7 +68,7 @@ class AroundEdge {
   }
   bool has_area(const Vec3& p) const { return flat_side(p, 0) != 0 || flat_side(p, 1) != 0 || flat_side(p, 2) != 0; }
 
-  // 0: the angle of the first, 1: up to half a turn, 2: half a turn, 3: more.
+  // 0: the angle of the first face; 1: below half a turn from there; 2: half a turn; 3: above.
   int quarter(const Vec3& first, const Vec3& p) const {
     if (const int side = orient3d(low_, high_, first, p)) return side > 0 ? 1 : 3;
     for (int dropped = 0; dropped < 3; ++dropped)
@@ -68,54 +82,53 @@ class AroundEdge {
 DisjointSets find_cells(MeshView mesh, const MeshEdges& edges, const Patches& patches) {
   DisjointSets cells(2 * patches.size());
   std::vector<HullFace> faces;
-  for_each_edge(edges, patches.turn, [&](std::span<const EdgeUse> sides) {
+  for_each_edge(edges, patches.orientation, [&](std::span<const HalfEdge> sides) {
     if (sides.size() < 3) return;
     Vec3 low, high;
     faces.clear();
-    for (const EdgeUse& side : sides) {
+    for (const HalfEdge& side : sides) {
       const auto corners = mesh.corners(side.triangle);
       const auto corner = [&](int n) { return corners[static_cast<std::size_t>((side.corner + n) % 3)]; };
       low = corner(side.forward ? 0 : 1);
       high = corner(side.forward ? 1 : 0);
       const std::uint32_t patch = patches.of[side.triangle];
-      const bool forward = side.forward == (patches.turn[side.triangle] > 0);
+      const bool forward = side.forward == (patches.orientation[side.triangle] > 0);
       faces.push_back({corner(2), side.triangle, forward ? front_of(patch) : back_of(patch),
                        forward ? back_of(patch) : front_of(patch)});
     }
-    AroundEdge(low, high).sort(faces);
+    AngleOrder(low, high).sort(faces);
     for (std::size_t n = 0; n < faces.size(); ++n) cells.join(faces[n].ahead, faces[(n + 1) % faces.size()].behind);
   });
   return cells;
 }
 
-// The sums of each patch; volumes are relative to the center of its piece.
+// The sums of each patch. Volumes are relative to the center of its piece.
 std::vector<PartSums> sums_of(MeshView mesh, const Patches& patches, std::span<const std::uint32_t> piece_of,
                               std::span<const std::uint8_t> wanted) {
   std::vector<Box> boxes(wanted.size());
   std::vector<PartSums> sums(patches.size());
   const auto for_each = [&](const auto& use) {
     for (std::size_t t = 0; t < patches.of.size(); ++t)
-      if (const std::uint32_t piece = piece_of[patches.of[t]]; wanted[piece] != 0 && patches.turn[t] != 0)
-        use(t, piece, mesh.corners(t));
+      if (const std::uint32_t piece = piece_of[patches.of[t]]; wanted[piece] != 0 && patches.orientation[t] != 0)
+        use(t, piece);
   };
-  for_each([&](std::size_t, std::uint32_t piece, const auto& corners) {
-    for (const Vec3& corner : corners) boxes[piece].include(corner);
+  for_each([&](std::size_t t, std::uint32_t piece) {
+    for (const Vec3& corner : mesh.corners(t)) boxes[piece].include(corner);
   });
-  for_each([&](std::size_t t, std::uint32_t piece, const auto& corners) {
-    const auto [a, b, c] = corners;
-    const bool turned = patches.turn[t] < 0;
-    sums[patches.of[t]].add(a, turned ? c : b, turned ? b : c, boxes[piece].center());
+  for_each([&](std::size_t t, std::uint32_t piece) {
+    const auto [a, b, c] = OrientedMesh{mesh, patches.orientation}.corners(t);
+    sums[patches.of[t]].add(a, b, c, boxes[piece].center());
   });
   return sums;
 }
 
-// What a side of a patch of a piece adds to its cell.
+// The part of a cell's sums that one side of a patch adds.
 struct HullShare {
   std::uint32_t piece, cell, side;
   PartSums sums;
 };
 
-// For each side of a patch whether its cell is outside.
+// For each side of each patch: whether its cell is outside.
 std::vector<std::uint8_t> find_outside(std::vector<HullShare> shares, std::size_t patches) {
   std::vector<std::uint8_t> outside(2 * patches);
   std::ranges::sort(shares, {}, [](const HullShare& s) { return std::tuple(s.piece, s.cell, s.side); });
@@ -148,10 +161,11 @@ std::vector<std::int8_t> outer_hulls(MeshView mesh, const MeshEdges& edges, cons
   const std::vector<std::uint8_t> outside = find_outside(std::move(shares), patches.size());
   std::vector<PartSums> hull_sums(wanted.size());
   for (std::uint32_t p = 0; p < patches.size(); ++p) {
-    const int turn = int{outside[front_of(p)]} - int{outside[back_of(p)]};
-    hull[p] = static_cast<std::int8_t>(turn);
-    if (turn != 0) hull_sums[piece_of[p]].add(sums[p], turn);
+    const int orientation = int{outside[front_of(p)]} - int{outside[back_of(p)]};
+    hull[p] = static_cast<std::int8_t>(orientation);
+    if (orientation != 0) hull_sums[piece_of[p]].add(sums[p], orientation);
   }
+  // Drop hulls that are no solid, or smaller than what they leave out.
   std::vector<double> most_left_out(wanted.size());
   for (std::uint32_t p = 0; p < patches.size(); ++p)
     if (hull[p] == 0 && is_solid(sums[p], false))

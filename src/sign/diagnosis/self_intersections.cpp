@@ -25,13 +25,13 @@ namespace {
 constexpr std::size_t kGroup = 1024;            // triangles between two looks at the limits
 constexpr std::int64_t kMostOfTriangle = 4096;  // tests of one triangle
 // A pair that shares a position is not tested, but it is found, and there may be very many: a million triangles around
-// one vertex. So boxes count too. As many take about as long as one test; and each triangle has some for nothing, more
-// than it takes in a mesh of any size whose vertices have few triangles.
+// one vertex. So compared boxes count too: kBoxesPerTest take about as long as one test. Each triangle has kFreeBoxes
+// for nothing, more than it needs in a mesh of any size whose vertices have few triangles.
 constexpr std::int64_t kBoxesPerTest = 32, kFreeBoxes = 1024;
 constexpr std::int64_t kMostBoxes = kBoxesPerTest * kMostOfTriangle;  // of one triangle
 constexpr std::int64_t kBoxesBetweenChecks = std::int64_t{1} << 18;   // boxes
 
-// The distinct triangles of a mesh, by positions, and how often each is there, in whatever orientation.
+// The distinct triangles of a mesh, by positions, and the number of copies of each in any orientation.
 struct DistinctTriangles {
   std::vector<std::uint32_t> triangles;  // the first of each, ascending
   std::vector<std::uint32_t> copies;     // of each
@@ -82,7 +82,7 @@ bool share_position(const MeshEdges& edges, std::uint32_t a, std::uint32_t b) {
 }
 
 struct Count {
-  std::int64_t pairs = 0, boxes = 0;  // as many boxes as stand for all that was done
+  std::int64_t pairs = 0, boxes = 0;  // `boxes` measures the work: tests count as kBoxesPerTest each
   bool complete = true;
 
   friend Count operator+(const Count& a, const Count& b) {
@@ -90,8 +90,8 @@ struct Count {
   }
 };
 
-// Searches among triangles that are distinct. `copies`: how often each is there; empty: once. `number`: what triangle
-// of the mesh each is.
+// Searches among distinct triangles. `copies`: the number of copies of each; empty: one each. `number`: the number in
+// the whole mesh of each.
 template <class Number>
 SelfIntersections search(MeshView mesh, const MeshEdges& edges, const std::vector<std::uint32_t>& copies,
                          const Number& number, const IntersectionLimits& limits, ProgressMeter& progress) {

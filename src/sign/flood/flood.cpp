@@ -26,8 +26,8 @@ void for_each_outermost(const TileLattice& lattice, const Use& use) {
   }
 }
 
-// Where samples are joined by edges that keep so many times farther from rims than a path has to, a path would have
-// come if it could: it was not some rounding that kept it off.
+// Edges certainly join samples if they keep this many times farther from rims than a path has to. A path would have
+// come along them if it could, and no rounding kept it off.
 constexpr double kCertainly = 1.5;
 // Half a spacing, in the steps of the distances.
 constexpr auto kHalf = static_cast<std::uint16_t>(RimDistances::kFar / kCertainly);
@@ -53,7 +53,8 @@ Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
   inside_samples_ = count_inside(grid.size);
 }
 
-// A tile without crossed edges is reached as a whole. What is reached does not depend on the order of the tiles.
+// Floods from the outermost tiles. A tile without crossed edges is reached as a whole. The result does not depend on
+// the order of the tiles.
 void Flood::flood(ProgressMeter& progress) {
   std::vector<std::size_t> next;
   for_each_outermost(lattice_, [&](std::size_t tile, Face face) { enter(tile, at_face(face), next); });
@@ -99,7 +100,7 @@ void Flood::enter(std::size_t tile, const TileBits& samples, std::vector<std::si
   next.push_back(tile);
 }
 
-// The samples of a tile with none of their six edges open to a path that takes none of these.
+// The samples of a tile that none of their six edges joins to another sample, where a path takes none of `edges`.
 TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
   const Sample tiles{lattice_.tiles.x, lattice_.tiles.y, lattice_.tiles.z};
   const Sample at = lattice_.tile_at(tile);
@@ -112,7 +113,7 @@ TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
     const std::size_t other = lattice_.index(to[0], to[1], to[2]);
     joined = joined | beyond(kAllBits, {face.axis, !face.up}, edges.of_tile(face.up ? tile : other));
   }
-  // Within the tile: an edge joins both its ends.
+  // Join samples within the tile: an edge joins both its ends.
   for (int odd = 0; odd < 2; ++odd) {
     TileBits some;
     for (std::size_t z = 0; z < some.size(); ++z)
@@ -122,15 +123,15 @@ TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
   return ~joined;
 }
 
-// Decides the samples that no path reached and that keep apart from all others, because rims are near. Each takes the
-// side of the neighbour that the widest way leads to: an edge that no triangle crosses, and that keeps farthest from
-// rims. A way that is much narrower than others from the same sample leads through a gap, and does not count. So sides
-// spread from sample to sample, in rounds, from those that are known: outside what the flood reached, inside what it
-// did not reach although it is not apart. What nothing spreads to is inside.
+// Decides the samples that no path reached and that are apart from all others, because rims are near. Each takes the
+// side of the neighbour along the widest way: an edge that no triangle crosses, and that keeps farthest from rims. A
+// way that is much narrower than others from the same sample leads through a gap, and does not count. So sides spread
+// from sample to sample, in rounds, from samples whose side is known: outside if the flood reached them, inside if it
+// did not although they are not apart. Samples to which nothing spreads are inside.
 void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress) {
   const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
   enum Side : std::uint8_t { unknown, outside, inside };
-  std::vector<TileBits> open(edges_.tiles().count());  // of each tile of edges_: those to be decided
+  std::vector<TileBits> open(edges_.tiles().count());  // the samples to be decided, of each tile of edges_
   std::vector<Sample> next;
   const auto for_each_bit = [&](std::size_t tile, const TileBits& bits, const auto& use) {
     const Sample at = lattice_.tile_at(tile);

@@ -14,8 +14,9 @@
 namespace standoff {
 namespace {
 
-// Both ends of a crossed edge are within its length of the mesh. If they have nearest triangles, an edge from a sample
-// without one crosses nothing, and need not be looked at. The margin is far above the rounding of distances.
+// Whether both ends of each crossed edge have nearest triangles, because they are within its length of the mesh. Then
+// an edge from a sample without one crosses nothing, and crossings need not be found. The margin is far above the
+// rounding of distances.
 bool has_ends_of_crossed_edges(const Grid& grid, double thickness) { return thickness > 1.001 * grid.max_spacing(); }
 
 GridEdges edges_of(MeshView mesh, const TileLattice& lattice, bool needed, ProgressMeter& progress) {
@@ -42,7 +43,7 @@ Vec3 position_of(const Grid& grid, const std::array<std::int64_t, 3>& tile, std:
 
 void add_bit(TileBits& bits, std::size_t n) { bits[n / 64] |= std::uint64_t{1} << n % 64; }
 
-// Requires that there is one.
+// The first sample of a set that is not empty.
 std::size_t first_of(const TileBits& bits) {
   std::size_t z = 0;
   while (bits[z] == 0) ++z;
@@ -56,13 +57,13 @@ NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thic
     : lattice_(TileLattice::of(grid)),
       edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
       mixed_(lattice_.tile_count()),
-      is_known_(lattice_.tile_count()),
+      is_decided_(lattice_.tile_count()),
       is_inside_(lattice_.tile_count()),
       is_next_(lattice_.tile_count()) {
   find_tiles(nearest);
   const Pseudonormals normals(mesh);
   decide_band(normals, grid, nearest, progress);
-  std::optional<ClosestTriangle> closest;  // of most fields no sample asks for it
+  std::optional<ClosestTriangle> closest;  // most fields have no sample that needs it
   decide_rest_of_mixed(mesh.mesh, normals, closest, grid, nearest, progress);
   std::vector<std::size_t> tiles;
   mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
@@ -92,9 +93,9 @@ void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, co
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
       progress.check();
       const std::array<std::int64_t, 3> tile = lattice_.tile_at(tiles[n]);
-      Known& part = parts_[n];
+      Decided& part = parts_[n];
       nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
-        // What is on the surface gets no side here, so that none spreads from it.
+        // Samples on the surface get no side here, so that none spreads from them.
         part.add(normals.place_of(position_of(grid, tile, at), triangle), at);
       });
       part = spread_within(part, edges_.of_tile(tiles[n]), bits_in_grid(grid.size, tile));
@@ -102,16 +103,16 @@ void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, co
   });
 }
 
-// What a step finds depends on the sides before it alone, not on the order of the tiles.
+// Each step depends on the sides before it alone, not on the order of the tiles.
 void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress) {
   std::vector<std::size_t> next;
-  std::vector<Known> found;
+  std::vector<Decided> found;
   while (!changed.empty()) {
     progress.check();
     next.clear();
     for (const std::size_t tile : changed)
       for_each_neighbour(lattice_, tile, [&](Face, std::size_t other) {
-        if (is_next_[other] || is_known_[other]) return;
+        if (is_next_[other] || is_decided_[other]) return;
         is_next_[other] = true;
         next.push_back(other);
       });
@@ -121,14 +122,14 @@ void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, Pro
     changed.clear();
     for (std::size_t n = 0; n < next.size(); ++n) {
       is_next_[next[n]] = false;
-      if (found[n] == known(next[n])) continue;
+      if (found[n] == decided(next[n])) continue;
       set(next[n], found[n]);
       changed.push_back(next[n]);
     }
   }
 }
 
-// A sample with a nearest triangle and no side is on the surface: it is not asked again.
+// Skips samples with a nearest triangle and no side: they are on the surface.
 void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
                                        std::optional<ClosestTriangle>& closest, const Grid& grid,
                                        const NearestTriangles& nearest, ProgressMeter& progress) {
@@ -144,12 +145,12 @@ void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
       const std::size_t tile = tiles[n];
       const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
       const TileBits in_grid = bits_in_grid(grid.size, at);
-      Known& part = parts_[mixed_.number(tile)];
-      TileBits asked{};
-      nearest.for_each(at[0], at[1], at[2], [&](std::size_t sample, std::uint32_t) { add_bit(asked, sample); });
-      for (TileBits rest; any(rest = without_side(grid, tile) & ~asked);) {
+      Decided& part = parts_[mixed_.number(tile)];
+      TileBits looked_up{};
+      nearest.for_each(at[0], at[1], at[2], [&](std::size_t sample, std::uint32_t) { add_bit(looked_up, sample); });
+      for (TileBits rest; any(rest = without_side(grid, tile) & ~looked_up);) {
         const std::size_t sample = first_of(rest);
-        add_bit(asked, sample);
+        add_bit(looked_up, sample);
         const Vec3 p = position_of(grid, at, sample);
         part.add(normals.place_of(p, closest->to(p)), sample);
         part = spread_within(part, edges_.of_tile(tile), in_grid);
@@ -158,16 +159,17 @@ void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
   });
 }
 
-// Regions of whole tiles, which surfaces between two layers of tiles hold off from all others. Few: each is large.
+// Decides regions of whole tiles that surfaces between layers of tiles separate from all others. They are few, because
+// each is large.
 void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
                               const Grid& grid, ProgressMeter& progress) {
   if (mesh.triangles.empty()) return;
   for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
-    if (mixed_.has(tile) || is_known_[tile]) continue;
+    if (mixed_.has(tile) || is_decided_[tile]) continue;
     progress.check();
     if (!closest) closest.emplace(mesh);
     const Vec3 p = position_of(grid, lattice_.tile_at(tile), 0);
-    Known one;
+    Decided one;
     one.add(normals.place_of(p, closest->to(p)), 0);
     set(tile, one);
     spread(grid, {tile}, progress);
@@ -175,39 +177,39 @@ void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::
 }
 
 TileBits NormalSides::without_side(const Grid& grid, std::size_t tile) const {
-  const Known there = known(tile);
+  const Decided there = decided(tile);
   return bits_in_grid(grid.size, lattice_.tile_at(tile)) & ~(there.outside | there.inside);
 }
 
-void NormalSides::Known::add(Pseudonormals::Place place, std::size_t n) {
+void NormalSides::Decided::add(Pseudonormals::Place place, std::size_t n) {
   if (place == Pseudonormals::Place::front) add_bit(outside, n);
   if (place == Pseudonormals::Place::back) add_bit(inside, n);
 }
 
-NormalSides::Known NormalSides::known(std::size_t tile) const {
+NormalSides::Decided NormalSides::decided(std::size_t tile) const {
   if (mixed_.has(tile)) return parts_[mixed_.number(tile)];
-  if (!is_known_[tile]) return {};
-  return is_inside_[tile] ? Known{{}, kAllBits} : Known{kAllBits, {}};
+  if (!is_decided_[tile]) return {};
+  return is_inside_[tile] ? Decided{{}, kAllBits} : Decided{kAllBits, {}};
 }
 
-void NormalSides::set(std::size_t tile, const Known& known) {
+void NormalSides::set(std::size_t tile, const Decided& decided) {
   if (mixed_.has(tile)) {
-    parts_[mixed_.number(tile)] = known;
+    parts_[mixed_.number(tile)] = decided;
     return;
   }
-  is_known_[tile] = true;
-  is_inside_[tile] = any(known.inside);
+  is_decided_[tile] = true;
+  is_inside_[tile] = any(decided.inside);
 }
 
-NormalSides::Known NormalSides::after_step(std::size_t tile, const TileBits& in_grid) const {
-  Known all = known(tile);
+NormalSides::Decided NormalSides::after_step(std::size_t tile, const TileBits& in_grid) const {
+  Decided all = decided(tile);
   const TileBits free = in_grid & ~(all.outside | all.inside);
   if (!any(free)) return all;
-  Known reached;
+  Decided reached;
   int outside = 0, inside = 0;
   for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
-    const Known there = known(other);
-    const Face back{face.axis, !face.up};  // from there to here
+    const Decided there = decided(other);
+    const Face back{face.axis, !face.up};  // leads from there to here
     const TileEdges& lower = edges_.of_tile(face.up ? tile : other);
     const TileBits from_outside = beyond(there.outside, back, lower) & free,
                    from_inside = beyond(there.inside, back, lower) & free;
@@ -222,24 +224,25 @@ NormalSides::Known NormalSides::after_step(std::size_t tile, const TileBits& in_
     return spread_within(all, edges_.of_tile(tile), in_grid);
   }
   if (outside + inside == 0) return all;
-  return inside > outside ? Known{{}, kAllBits} : Known{kAllBits, {}};
+  return inside > outside ? Decided{{}, kAllBits} : Decided{kAllBits, {}};
 }
 
-// Sample by sample.
-NormalSides::Known NormalSides::spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const {
+// Spreads sides from sample to sample within a tile.
+NormalSides::Decided NormalSides::spread_within(Decided decided, const TileEdges& edges,
+                                                const TileBits& in_grid) const {
   while (true) {
-    const TileBits free = in_grid & ~(known.outside | known.inside);
-    const TileBits outside = with_neighbours(known.outside, edges) & free,
-                   inside = with_neighbours(known.inside, edges) & free & ~outside;
-    if (!any(outside) && !any(inside)) return known;
-    known.outside = known.outside | outside;
-    known.inside = known.inside | inside;
+    const TileBits free = in_grid & ~(decided.outside | decided.inside);
+    const TileBits outside = with_neighbours(decided.outside, edges) & free,
+                   inside = with_neighbours(decided.inside, edges) & free & ~outside;
+    if (!any(outside) && !any(inside)) return decided;
+    decided.outside = decided.outside | outside;
+    decided.inside = decided.inside | inside;
   }
 }
 
 void NormalSides::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
-    const TileBits inside = known(lattice_.index(tx, ty, tz)).inside;
+    const TileBits inside = decided(lattice_.index(tx, ty, tz)).inside;
     if (any(inside)) mark(rows, tx, inside & bits_in_grid(rows.size(), {tx, ty, tz}));
   }
 }

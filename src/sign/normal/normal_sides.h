@@ -16,14 +16,15 @@ namespace standoff {
 
 /// Samples with a nearest triangle have the side that Pseudonormals finds. Other samples take the side of those that
 /// they are connected with by grid edges that no triangle crosses, in three steps:
-/// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes to, one of the connected
-/// samples
-///    asks for its closest triangle among all. This happens in bands thinner than a spacing alone.
-/// 2. From tile to tile: a breadth-first search from all these at once. A tile that has neither nearest triangles nor
-///    crossed edges has one side: that of the larger number of samples next to its faces that had one before the step,
-///    of equally many outside.
-/// 3. Of tiles that no side came to, one of those connected asks.
-/// A closed mesh that does not intersect itself has samples of one side alone in each region, so there all sides are
+/// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes, one of the connected samples
+/// looks
+///    for its closest triangle among all. This happens only in bands thinner than a spacing.
+/// 2. From tile to tile, by a breadth-first search from all these tiles at once. A tile that has neither nearest
+/// triangles
+///    nor crossed edges has one side: the side of most samples next to its faces that had a side before the step;
+///    outside if inside has no majority.
+/// 3. In regions of tiles that no side came to, one tile looks for the closest triangle of its first sample.
+/// In a closed mesh that does not intersect itself all samples of a region are on one side, so there all sides are
 /// exact. Samples on the surface that no side comes to are outside.
 class NormalSides final : public Sides {
  public:
@@ -35,11 +36,11 @@ class NormalSides final : public Sides {
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
 
  private:
-  // The samples of a tile whose side is known.
-  struct Known {
+  // The samples of a tile that have a side.
+  struct Decided {
     TileBits outside{}, inside{};
-    void add(Pseudonormals::Place place, std::size_t n);  // sample n; on the surface it gets no side
-    friend bool operator==(const Known&, const Known&) = default;
+    void add(Pseudonormals::Place place, std::size_t n);  // gives sample n its side, unless it is on the surface
+    friend bool operator==(const Decided&, const Decided&) = default;
   };
 
   void find_tiles(const NearestTriangles& nearest);
@@ -52,17 +53,17 @@ class NormalSides final : public Sides {
                    const Grid& grid, ProgressMeter& progress);
 
   TileBits without_side(const Grid& grid, std::size_t tile) const;
-  Known known(std::size_t tile) const;
-  void set(std::size_t tile, const Known& known);
-  Known after_step(std::size_t tile, const TileBits& in_grid) const;
-  Known spread_within(Known known, const TileEdges& edges, const TileBits& in_grid) const;
+  Decided decided(std::size_t tile) const;
+  void set(std::size_t tile, const Decided& decided);
+  Decided after_step(std::size_t tile, const TileBits& in_grid) const;
+  Decided spread_within(Decided decided, const TileEdges& edges, const TileBits& in_grid) const;
 
   TileLattice lattice_;
   GridEdges edges_;
-  TileSet mixed_;                           // tiles with nearest triangles or crossed edges
-  std::vector<Known> parts_;                // theirs
-  std::vector<bool> is_known_, is_inside_;  // of all other tiles
-  std::vector<bool> is_next_;               // within a step of spread(), of each tile; none otherwise
+  TileSet mixed_;                             // tiles with nearest triangles or crossed edges
+  std::vector<Decided> parts_;                // one for each of these
+  std::vector<bool> is_decided_, is_inside_;  // for all other tiles
+  std::vector<bool> is_next_;                 // for each tile, within a step of spread()
 };
 
 }  // namespace standoff

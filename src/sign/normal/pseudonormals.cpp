@@ -17,43 +17,37 @@ namespace {
 using NormalRange = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kNormalGrain = 4096;
 
-struct Normal {
-  Vec3 unit;          // zero if there is no area
-  double length = 0;  // twice the area
-};
-
-// Each part within some roundings of itself, however thin the triangle.
-Normal normal_of(const std::array<Vec3, 3>& t) {
-  const auto part = [&](double Vec3::*u, double Vec3::*v) {
-    return determinant2d({t[0].*u, t[0].*v}, {t[1].*u, t[1].*v}, {t[2].*u, t[2].*v});
-  };
-  const Vec3 normal{part(&Vec3::y, &Vec3::z), part(&Vec3::z, &Vec3::x), part(&Vec3::x, &Vec3::y)};
-  const double largest = max_norm(normal);
-  if (!(largest > 0)) return {};
-  const Vec3 scaled = normal / Vec3{largest, largest, largest};
-  return {scaled * (1 / length(scaled)), largest * length(scaled)};
-}
-
 double angle_at(const std::array<Vec3, 3>& t, std::size_t n, double normal_length) {
   return std::atan2(normal_length, dot(t[(n + 1) % 3] - t[n], t[(n + 2) % 3] - t[n]));
 }
 
 }  // namespace
 
+TriangleNormal exact_normal(const std::array<Vec3, 3>& t) {
+  const auto part = [&](double Vec3::*u, double Vec3::*v) {
+    return determinant2d({t[0].*u, t[0].*v}, {t[1].*u, t[1].*v}, {t[2].*u, t[2].*v});
+  };
+  const Vec3 normal{part(&Vec3::y, &Vec3::z), part(&Vec3::z, &Vec3::x), part(&Vec3::x, &Vec3::y)};
+  const double largest = max_norm(normal);
+  if (!(largest > 0)) return {};
+  const Vec3 scaled = normal / Vec3{largest, largest, largest};  // its squares neither overflow nor vanish
+  return {scaled * (1 / length(scaled)), largest * length(scaled)};
+}
+
 Pseudonormals::Pseudonormals(const OrientedMesh& mesh) : mesh_(mesh), edges_(mesh.mesh) {
   const std::size_t triangles = mesh.mesh.triangles.size();
-  std::vector<Vec3> units(triangles);  // in the orientation of use; zero for what is left out
+  std::vector<Vec3> units(triangles);  // in the orientation of use; zero for triangles that are left out
   std::vector<double> angles(3 * triangles);
   tbb::parallel_for(NormalRange(0, triangles, kNormalGrain), [&](const NormalRange& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const std::array<Vec3, 3> corners = mesh.mesh.corners(t);
-      const Normal normal = normal_of(corners);
+      const TriangleNormal normal = exact_normal(corners);
       units[t] = normal.unit * mesh.use_of(t);
       for (std::size_t n = 0; n < 3; ++n) angles[3 * t + n] = angle_at(corners, n, normal.length);
     }
   });
   set_normals_of_sides(units);
-  // In the order of the triangles, so that the sums are the same for any number of threads.
+  // Sum up in the order of the triangles, so that the sums are the same for any number of threads.
   of_vertices_.resize(edges_.positions());
   for (std::size_t t = 0; t < triangles; ++t)
     for (int n = 0; n < 3; ++n) {
@@ -65,23 +59,24 @@ Pseudonormals::Pseudonormals(const OrientedMesh& mesh) : mesh_(mesh), edges_(mes
 void Pseudonormals::set_normals_of_sides(const std::vector<Vec3>& units) {
   of_sides_.resize(3 * units.size());
   facing_.resize(units.size());
-  // Sides of length 0 have no normal; the triangle has none either.
-  const std::span<const EdgeUse> uses = edges_.uses();
+  // Skip sides of length 0: they have no normal, and neither has the triangle.
+  const std::span<const HalfEdge> sides = edges_.half_edges();
   const auto same_edge = [&](std::size_t m, std::size_t n) {
-    return uses[m].low == uses[n].low && uses[m].high == uses[n].high;
+    return sides[m].low == sides[n].low && sides[m].high == sides[n].high;
   };
-  const auto opposite = [&](const EdgeUse& use) { return edges_.position(use.triangle, (use.corner + 2) % 3); };
-  tbb::parallel_for(NormalRange(0, uses.size(), kNormalGrain), [&](const NormalRange& range) {
-    std::vector<EdgeUse> edge;
+  const auto opposite = [&](const HalfEdge& side) { return edges_.position(side.triangle, (side.corner + 2) % 3); };
+  tbb::parallel_for(NormalRange(0, sides.size(), kNormalGrain), [&](const NormalRange& range) {
+    std::vector<HalfEdge> edge;
     for (std::size_t first = range.begin(); first != range.end(); ++first) {
-      if (first > 0 && same_edge(first - 1, first)) continue;  // the edge is that of another range
+      if (first > 0 && same_edge(first - 1, first)) continue;  // the edge belongs to another range
       std::size_t past = first + 1;
-      while (past < uses.size() && same_edge(first, past)) ++past;
+      while (past < sides.size() && same_edge(first, past)) ++past;
       Vec3 sum{};
-      for (std::size_t n = first; n < past; ++n) sum = sum + units[uses[n].triangle];
-      edge.assign(uses.begin() + static_cast<std::ptrdiff_t>(first), uses.begin() + static_cast<std::ptrdiff_t>(past));
-      for (const EdgeUse& use : edge) of_sides_[3 * use.triangle + use.corner] = sum;
-      // Triangles at one edge and the same opposite corner are one face. Of each, only the first side looks at that.
+      for (std::size_t n = first; n < past; ++n) sum = sum + units[sides[n].triangle];
+      edge.assign(sides.begin() + static_cast<std::ptrdiff_t>(first),
+                  sides.begin() + static_cast<std::ptrdiff_t>(past));
+      for (const HalfEdge& side : edge) of_sides_[3 * side.triangle + side.corner] = sum;
+      // Triangles at one edge with the same opposite corner are one face. The first side of each finds its orientation.
       std::ranges::stable_sort(edge, {}, opposite);
       for (std::size_t n = 0; n < edge.size();) {
         std::size_t next = n;
@@ -103,7 +98,7 @@ auto Pseudonormals::place_of(const Vec3& p, std::uint32_t triangle) const -> Pla
     const int side = orient3d(corners[0], corners[1], corners[2], p);
     return side == 0 ? Place::on_surface : side * facing_[triangle] < 0 ? Place::back : Place::front;
   }
-  // Closer to a side or a corner than some roundings, the direction means nothing.
+  // Within some roundings of a side or a corner, the direction means nothing.
   const double size = std::max({max_norm(corners[0] - p), max_norm(corners[1] - p), max_norm(corners[2] - p)});
   if (max_norm(closest.away) <= 8 * std::numeric_limits<double>::epsilon() * size) return Place::on_surface;
   const Vec3& normal = closest.kind == ClosestFeature::Kind::side

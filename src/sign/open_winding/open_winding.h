@@ -4,38 +4,56 @@
 
 #include <atomic>
 #include <cstdint>
+#include <vector>
 
 #include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
-#include "sign/open_winding/open_tiles.h"
-#include "sign/open_winding/quick_angles.h"
-#include "sign/open_winding/rim_tree.h"
-#include "sign/open_winding/rims.h"
+#include "sign/open_winding/cap_tree.h"
+#include "sign/oriented_mesh.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/sides.h"
+#include "standoff/grid.h"
 #include "standoff/sign.h"
 
 namespace standoff {
 
+/// Tiles that a large cap may touch and no triangle of the mesh does: the winding number of the open mesh is smooth in
+/// them. Small caps pass through no such tiles, and are left out.
+class OpenTiles {
+ public:
+  /// Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+  OpenTiles(const OrientedMesh& mesh, const Rims& rims, const Grid& grid, ProgressMeter& progress);
+
+  bool contains(std::int64_t tx, std::int64_t ty, std::int64_t tz) const {
+    return !marks_.empty() && marks_[static_cast<std::size_t>(tx + tiles_x_ * (ty + tiles_y_ * tz))] == kCap;
+  }
+
+ private:
+  static constexpr std::uint8_t kCap = 1, kMesh = 2;
+
+  std::int64_t tiles_x_, tiles_y_;
+  std::vector<std::uint8_t> marks_;  // by tile; empty if no cap is large
+};
+
 /// Inside is where the generalised winding number w is above 1/2 (WindingRule::positive), above 1/2 in magnitude
-/// (nonzero), or nearest to an odd number (odd). Each sample is decided by an interval that w is certain to be in, or
-/// by w itself: within 1e-9 of a threshold, or on the boundary, the side is that of a rounded w.
+/// (nonzero), or nearest to an odd number (odd). An interval that certainly contains w decides each sample, or w
+/// itself: within 1e-9 of a threshold, or on the boundary, a rounded w decides.
 class OpenWinding final : public Sides {
  public:
-  /// `boundary` is that of the mesh; if it is empty, the mesh is closed. The mesh must stay where it is. Runs on the
-  /// threads of the calling TBB arena. Throws Error{interrupted}, which fill() does too: the progress must stay.
+  /// Requires the boundary of the mesh; if it is empty, the mesh is closed. Mesh and progress must stay where they are.
+  /// Runs on the threads of the calling TBB arena. Throws Error{interrupted}, and so does fill().
   OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, const Grid& grid, WindingRule rule,
               ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
 
-  /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Linear in the size of the
-  /// boundary.
+  /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Takes time linear in the size of
+  /// the boundary.
   double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
-  /// The same within `error`; faster. Counts looks at rims: kLooks. Throws Error{interrupted}.
+  /// w at a sample within `error`, which is faster. Counts visits of rims (kLooks). Throws Error{interrupted}.
   double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error, WorkCheck& check) const;
 
-  /// How many samples of all tiles filled so far have w within 0.05 (kDoubt) of a threshold, by values of w that
+  /// The number of samples in all tiles filled so far with w within 0.05 (kDoubt) of a threshold, by values of w that
   /// are off by at most 0.025 (kDoubtError). The same for any number of threads.
   std::int64_t doubtful() const { return doubtful_.load(std::memory_order_relaxed); }
 

@@ -5,18 +5,32 @@
 #include <cmath>
 
 #include "core/tile_count.h"
-#include "sign/open_winding/cap_angle.h"
-#include "sign/open_winding/cell_touch.h"
-#include "sign/open_winding/winding_rule.h"
 
 namespace standoff {
+
+RowWindings::RowWindings(std::span<const RowCrossing> a, std::span<const RowCrossing> b) {
+  runs_.reserve(InsideRows::kRows + a.size() + b.size());
+  const auto in_row = [](std::span<const RowCrossing> rest, int row) { return !rest.empty() && rest[0].row() == row; };
+  for (int row = 0; row < InsideRows::kRows; ++row) {
+    begin_[static_cast<std::size_t>(row)] = runs_.size();
+    runs_.push_back({0, 0});
+    while (in_row(a, row) || in_row(b, row)) {
+      auto& next = !in_row(b, row) || (in_row(a, row) && a[0] < b[0]) ? a : b;
+      if (next[0].past() != runs_.back().from) runs_.push_back({next[0].past(), runs_.back().winding});
+      runs_.back().winding += next[0].step();
+      next = next.subspan(1);
+    }
+  }
+  begin_.back() = runs_.size();
+}
+
 namespace {
 
-// Fields that are off by as much decide little. Less than a quarter: the field at a sample, and the sample's winding
-// number by far fields that are part of it, then tell integers apart.
+// A field with such an error decides little. It is less than a quarter, so that the difference of two estimates at a
+// sample, the field and the sample's winding number by far fields, tells integers apart.
 constexpr double kUseless = 0.24;
-// So many near rims are summed up in float, which takes a microsecond and one or two more for a thousand of them. Where
-// they are many more, smaller cells have as many, and their fields decide no more.
+// More near rims than kManyRims are summed up in float, which takes a microsecond, and one or two more per thousand.
+// Where a cell has more than kVeryManyRims, so have smaller cells, and their fields decide no more.
 constexpr std::size_t kManyRims = 64, kVeryManyRims = 256;
 // Few samples are decided one by one.
 constexpr int kFewRows = 4;
@@ -31,11 +45,11 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
   smooth_ = smooth;
   inside_ = inside;
   doubtful_ = 0;
-  unknown_.fill(0);
+  undecided_.fill(0);
   for (std::int64_t k = tile.begin[2]; k < tile.end[2]; ++k)
     for (std::int64_t j = tile.begin[1]; j < tile.end[1]; ++j) {
       const std::size_t row = row_of(j, k);
-      unknown_[row] = static_cast<std::uint8_t>(0xff >> (kTileSide - (tile.end[0] - tile.begin[0])));
+      undecided_[row] = static_cast<std::uint8_t>(0xff >> (kTileSide - (tile.end[0] - tile.begin[0])));
       windings.for_each(static_cast<int>(row), tile.begin[0], tile.end[0],
                         [&](std::int64_t from, std::int64_t to, std::int32_t winding) {
                           for (std::int64_t i = from; i < to; ++i) windings_[kTileSide * row + bit_of(i)] = winding;
@@ -46,19 +60,19 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
 }
 
 void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance) {
-  if (!has_more_unknown_than(0, box)) return;
+  if (!has_more_undecided_than(0, box)) return;
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
   NodeStack::Part near = stack_.add_far(nodes, cell, tolerance, 0, far);
-  if (!has_more_unknown_than(kFewRows, box)) {
+  if (!has_more_undecided_than(kFewRows, box)) {
     decide_one_by_one(box, near, far);
     return stack_.resize(size);
   }
 
-  // A bound is cheaper than a field, and decides most samples.
+  // Decide most samples by a bound, which is cheaper than a field.
   decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kWindingRounding, true);
-  if (!has_more_unknown_than(0, box)) return stack_.resize(size);
+  if (!has_more_undecided_than(0, box)) return stack_.resize(size);
 
   const bool of_near = decide_by_fields(box, cell, near, far, tolerance);
   if (near.end - near.begin > kVeryManyRims) {
@@ -87,19 +101,19 @@ void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearF
   }
 }
 
-// Decides by the fields of near caps too. Those that are known in the cell go from `near` to `far`. Returns false if
-// most of what is not known is due to far caps: the samples left need those more precisely.
+// Decides by the fields of near caps too. Moves caps whose field is good enough in the cell from `near` to `far`.
+// Returns false if most of the error is due to far caps: then the samples left need their fields more precisely.
 bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
                                  double tolerance) {
   stack_.count(near.end - near.begin);
-  // The caps that may be in the cell come first.
+  // Put the caps first that may touch the cell.
   const std::size_t caps_end = stack_.partition(near, [&](std::size_t n) {
     const Moments& caps = mesh_.tree[stack_[n]].caps;
     return cell.distance_sq(caps.center) <= caps.radius * caps.radius && may_touch(rim_of(mesh_, stack_[n]), cell);
   });
   const bool caps_inside = caps_end != near.begin;
   if (caps_inside && !smooth_) return true;
-  // Next to a rim there is no bound: smaller cells are needed, whatever the other caps are.
+  // Give up next to a rim: no bound holds there, and smaller cells are needed, whatever the other caps are.
   for (std::size_t n = near.begin; n < near.end; ++n) {
     const Vec3 d = rim_of(mesh_, stack_[n]).corners[0] - cell.center;
     if (dot(d, d) < cell.radius * cell.radius) return true;
@@ -122,11 +136,11 @@ bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeSta
   if (!(field.error < kUseless)) return true;
   if (caps_inside) continue_across_caps(box, near, far, field);
   decide_by_field(box, cell, field, !caps_inside);
-  return far.error <= field.error / 2 || far.error <= kWindingRounding || !has_more_unknown_than(kFewRows, box);
+  return far.error <= field.error / 2 || far.error <= kWindingRounding || !has_more_undecided_than(kFewRows, box);
 }
 
-// The winding number of the open mesh at the center of a cell that the mesh does not touch: continued from a sample,
-// whose winding is an integer and an angle. The angle at the center is right but for an integer.
+// Corrects the field of a cell that caps touch and the mesh does not, so that it becomes the winding number of the open
+// mesh. It is wrong by an integer only, which the winding number of one sample tells.
 void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                                      LinearField& field) const {
   const std::int64_t i = (box.begin[0] + box.end[0]) / 2, j = (box.begin[1] + box.end[1]) / 2,
@@ -139,24 +153,24 @@ void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes
 
 void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
   decide_by_winding(box, field.value, field.reach(cell.half) + kWindingRounding, with_windings);
-  for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
+  for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
     const double windings = with_windings ? windings_[kTileSide * row + x] : 0;
     decide_sample(row, x, windings + field.at(mesh_.grid.position(i, j, k)), field.error + kWindingRounding);
   });
 }
 
-// Samples of equal integers together, where the rest stays within `reach` of `value` in the whole box.
+// Decides samples of equal integer windings together, if the rest stays within `reach` of `value` in the whole box.
 void TileSides::decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings) {
   if (!(reach < 0.5 - kDoubt)) return;
   std::int32_t last = 0;
   bool sure = false, inside = false;
-  const auto look_at = [&](std::int32_t winding) {
+  const auto classify = [&](std::int32_t winding) {
     last = winding;
     sure = margin(winding + value, mesh_.rule) > reach + kDoubt;
     inside = is_inside(winding + value, mesh_.rule);
   };
-  look_at(0);
+  classify(0);
   for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
     for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
       const std::size_t row = row_of(j, k);
@@ -164,17 +178,17 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
       for (unsigned x = bit_of(box.begin[0]), end = x + static_cast<unsigned>(box.end[0] - box.begin[0]); x < end;
            ++x) {
         const std::int32_t winding = with_windings ? windings_[kTileSide * row + x] : 0;
-        if (winding != last) look_at(winding);
+        if (winding != last) classify(winding);
         decided |= unsigned{sure} << x;
         marked |= unsigned{sure && inside} << x;
       }
-      inside_[row] |= static_cast<std::uint8_t>(marked & unknown_[row]);
-      unknown_[row] &= static_cast<std::uint8_t>(~decided);
+      inside_[row] |= static_cast<std::uint8_t>(marked & undecided_[row]);
+      undecided_[row] &= static_cast<std::uint8_t>(~decided);
     }
 }
 
 void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
-  for_each_unknown(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
+  for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
     const double winding = windings_[kTileSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
@@ -187,28 +201,28 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
     for (; !decide_sample(row, x, winding + angles.value, angles.error + kWindingRounding);
          tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
       angles = cap_sum_at(mesh_.rims, mesh_.tree, p, tolerance, stack_);
-      // What is left then is rounding: the value decides.
+      // Only rounding is left then: let the value decide.
       if (tolerance == 0) angles.error = -kWindingRounding;
     }
   });
 }
 
-// Decides a sample if the interval is on one side, and narrow enough to tell whether it is doubtful.
+// Decides a sample if the interval is on one side of the threshold, and narrow enough to tell whether it is doubtful.
 bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
   if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;
   doubtful_ += distance < kDoubt;
   const auto bit = static_cast<std::uint8_t>(1u << x);
-  unknown_[row] &= static_cast<std::uint8_t>(~bit);
+  undecided_[row] &= static_cast<std::uint8_t>(~bit);
   if (is_inside(winding, mesh_.rule)) inside_[row] |= bit;
   return true;
 }
 
-bool TileSides::has_more_unknown_than(int few, const SampleBox& box) const {
+bool TileSides::has_more_undecided_than(int few, const SampleBox& box) const {
   int count = 0;
   for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
     for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j)
-      for (unsigned bits = unknown_[row_of(j, k)] & bits_of(box); bits != 0; bits &= bits - 1)
+      for (unsigned bits = undecided_[row_of(j, k)] & bits_of(box); bits != 0; bits &= bits - 1)
         if (++count > few) return true;
   return false;
 }

@@ -5,21 +5,52 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "sign/inside_rows.h"
-#include "sign/open_winding/cap_sum.h"
-#include "sign/open_winding/cells.h"
-#include "sign/open_winding/node_stack.h"
-#include "sign/open_winding/quick_angles.h"
-#include "sign/open_winding/row_windings.h"
+#include "sign/open_winding/cap_tree.h"
+#include "sign/rows/row_crossings.h"
+#include "sign/sides.h"
 #include "standoff/sign.h"
 
 namespace standoff {
 
-/// How near to a threshold winding numbers are doubtful, and how far those that are counted may be off.
+/// Samples of a row from `from` on, up to the next run, have this winding number.
+struct WindingRun {
+  std::int64_t from;
+  std::int32_t winding;
+};
+
+/// The integer winding number along the rows of one row of tiles, of two meshes together.
+class RowWindings {
+ public:
+  /// Takes the crossings of both meshes, each sorted.
+  RowWindings(std::span<const RowCrossing> a, std::span<const RowCrossing> b);
+
+  /// The runs of a row; the first one begins at 0.
+  std::span<const WindingRun> of_row(int row) const {
+    const auto n = static_cast<std::size_t>(row);
+    return std::span(runs_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
+  }
+  /// Calls use(from, to, winding) for the runs among the samples begin to end - 1 of a row.
+  template <class Use>
+  void for_each(int row, std::int64_t begin, std::int64_t end, const Use& use) const {
+    const std::span<const WindingRun> runs = of_row(row);
+    for (std::size_t n = 0; n < runs.size() && runs[n].from < end; ++n) {
+      const std::int64_t to = n + 1 < runs.size() ? std::min(runs[n + 1].from, end) : end;
+      if (to > begin) use(std::max(runs[n].from, begin), to, runs[n].winding);
+    }
+  }
+
+ private:
+  std::array<std::size_t, InsideRows::kRows + 1> begin_;
+  std::vector<WindingRun> runs_;
+};
+
+/// Winding numbers are doubtful if their distance from a threshold is less than kDoubt. Those that are counted have an
+/// error of at most kDoubtError.
 inline constexpr double kDoubt = 0.05, kDoubtError = 0.025;
 
-/// What decides the sides of an open mesh: the caps of its boundary, and the rule.
+/// The caps of an open mesh's boundary, and the rule: together with integer winding numbers they decide all sides.
 struct OpenMesh {
   const Grid& grid;
   WindingRule rule;
@@ -32,8 +63,8 @@ class TileSides {
  public:
   TileSides(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack) {}
 
-  /// Marks the samples of the box, which is a tile or what is in the grid of it. `smooth`: no triangle of the mesh
-  /// touches the tile. `far` is the field of all caps but those of `nodes`. Returns how many samples are doubtful.
+  /// Marks the samples of a tile's part within the grid. `smooth`: no triangle of the mesh touches the tile. `far` is
+  /// the field of all caps that are not in `nodes`. Returns the number of doubtful samples.
   std::int64_t decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
                       const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside);
 
@@ -48,9 +79,9 @@ class TileSides {
   void continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                             LinearField& field) const;
   bool decide_sample(std::size_t row, unsigned x, double winding, double error);
-  bool has_more_unknown_than(int few, const SampleBox& box) const;
+  bool has_more_undecided_than(int few, const SampleBox& box) const;
 
-  // Where a sample's row is in the tile, and its bit there.
+  // The number of a sample's row in the tile, and the sample's bit there.
   std::size_t row_of(std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>(j - tile_.begin[1] + InsideRows::kSide * (k - tile_.begin[2]));
   }
@@ -59,14 +90,14 @@ class TileSides {
   unsigned bits_of(const SampleBox& box) const {
     return ((1u << (box.end[0] - box.begin[0])) - 1) << bit_of(box.begin[0]);
   }
-  // Calls use(i, j, k, row) for each sample of the box that is not decided.
+  // Calls use(i, j, k, row) for each undecided sample of the box.
   template <class Use>
-  void for_each_unknown(const SampleBox& box, const Use& use) const {
+  void for_each_undecided(const SampleBox& box, const Use& use) const {
     for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
       for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j) {
         const std::size_t row = row_of(j, k);
         for (std::int64_t i = box.begin[0]; i < box.end[0]; ++i)
-          if ((unknown_[row] >> bit_of(i) & 1) != 0) use(i, j, k, row);
+          if ((undecided_[row] >> bit_of(i) & 1) != 0) use(i, j, k, row);
       }
   }
 
@@ -75,7 +106,7 @@ class TileSides {
   SampleBox tile_;
   bool smooth_;
   std::int64_t doubtful_;
-  std::array<std::uint8_t, InsideRows::kRows> unknown_;  // samples that are not decided, as in InsideRows
+  std::array<std::uint8_t, InsideRows::kRows> undecided_;  // samples, as in InsideRows
   std::array<std::int32_t, InsideRows::kRows * InsideRows::kSide> windings_;
   std::span<std::uint8_t> inside_;
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a row of samples, a ray along +x, crosses a triangle. All decisions are signs of determinants, which are exact:
-// rounded ones decide wherever their error bound lets them, else those of geometry/predicates.h. So neighbouring
-// triangles agree on the edge between them.
+// Where a row of samples, a ray along +x, crosses a triangle. All decisions are exact signs of determinants: rounded
+// determinants decide where their error bound lets them, else geometry/predicates.h. So neighbouring triangles agree on
+// the edge between them.
 //
 // Rays through an edge, a corner, or along a triangle are no special cases: every sample (x, y, z) stands for the point
 // (x + e^3, y + e, z + e^2), where e is positive and smaller than any number ("simulation of simplicity", Edelsbrunner
 // and Muecke 1990). That point is on no triangle with an area.
 //
-// A ray along y or z is one along x in coordinates that are turned in a circle: (y, z, x) or (z, x, y). The points that
-// samples stand for must stay the same ones, so that crossings along the three axes agree. They are displaced most
-// along y, then along z, then along x, which is the same circle, begun at another of the turned axes.
+// A ray along y or z is a ray along x in rotated coordinates: (y, z, x) or (z, x, y). Samples must stand for the same
+// points then, so that crossings along the three axes agree. They are displaced most along y, then along z, then along
+// x: the same cycle, begun at another of the rotated axes.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ namespace standoff {
 /// A triangle that many rows are tested against.
 class RayTriangle {
  public:
-  /// `most`: the axis, 0 to 2 for x to z, along which samples are displaced most. The two after it in the circle
+  /// `most`: the axis, 0 to 2 for x to z, along which samples are displaced most. The two axes after it in the cycle
   /// follow.
   explicit RayTriangle(const std::array<Vec3, 3>& corners, int most = 1) : t_(corners), most_(most) {
     const Vec3 u = t_[1] - t_[0], v = t_[2] - t_[0];
@@ -54,13 +54,13 @@ class RayTriangle {
     return t_[0].x - (normal_[1].value * (y - t_[0].y) + normal_[2].value * (z - t_[0].z)) / normal_[0].value;
   }
 
-  /// Whether a sample of a row is past the triangle. `crossing` is that of the row, and not 0.
+  /// Whether a sample of a row is past the triangle. `crossing` is the crossing of the row, and not 0.
   bool is_past(const Vec3& sample, int crossing) const {
     const Vec3 w = sample - t_[0];
     const double det = w.x * normal_[0].value + w.y * normal_[1].value + w.z * normal_[2].value;
     const double magnitude = std::abs(w.x) * normal_[0].magnitude + std::abs(w.y) * normal_[1].magnitude +
                              std::abs(w.z) * normal_[2].magnitude;
-    // The form of Shewchuk's first stage, with the same bound.
+    // This is the form of Shewchuk's first stage, with the same bound.
     if (std::abs(det) > kRounded3d * magnitude + kUnderflowOf3d) return (det > 0) == (crossing > 0);
     return is_past_near_plane(sample, crossing);
   }
@@ -75,7 +75,7 @@ class RayTriangle {
   int side_of_edge(int n, double y, double z) const {
     const Flat a = flat(n), b = flat((n + 1) % 3);
     if (const int side = orient2d(a, b, {y, z})) return side;
-    // The derivatives of the determinant along y and z.
+    // Take the derivatives of the determinant along y and z.
     const int along_y = sign_of(a.y - b.y), along_z = sign_of(b.x - a.x);
     const bool z_before_y = most_ == 2;
     const int first = z_before_y ? along_z : along_y, second = z_before_y ? along_y : along_z;
@@ -90,7 +90,7 @@ class RayTriangle {
 
   bool is_past_near_plane(const Vec3& sample, int crossing) const {
     int side = orient3d(t_[0], t_[1], t_[2], sample);
-    // Its derivatives are the parts of the normal.
+    // Take its derivatives, which are the parts of the normal.
     for (int n = 0; side == 0; ++n) {
       const int axis = (most_ + n) % 3;
       if (axis == 0) side = crossing;
@@ -102,7 +102,7 @@ class RayTriangle {
 
   std::array<Vec3, 3> t_;
   int most_;
-  std::array<RoundedDeterminant, 3> normal_;  // its parts, and what they are made of
+  std::array<RoundedDeterminant, 3> normal_;  // its parts, and the magnitudes of their terms
 };
 
 }  // namespace standoff

@@ -18,31 +18,31 @@ namespace standoff {
 namespace {
 
 constexpr std::int64_t kTileRows = InsideRows::kRows;
-constexpr std::int64_t kEntries = CrossingList::kBlock - CrossingList::kMostAtOnce;  // of a block, at least
+constexpr std::int64_t kEntries = CrossingList::kBlock - CrossingList::kMostAtOnce;  // a block has at least this many
 // A block, its places in lists that grow, and its crossings when they are sorted.
 constexpr std::int64_t kBlockBytes = CrossingList::kBlock * (sizeof(FoundCrossing) + sizeof(RowCrossing)) + 64;
-// Of row_by_row(): a vector that grows is held twice, and half as large.
+// In find_row_by_row(): a vector that grows is held twice, and half as large.
 constexpr std::int64_t kGrowth = 3;
-// Counters of the counting sort: parts of the input that are sorted side by side have counters of their own.
 constexpr std::int64_t kMostRowsOfTiles = std::int64_t{1} << (FoundCrossing::kRowBits - 6);  // of a window
+// Counters of the counting sort: parts of the input that are sorted side by side have counters of their own.
 constexpr std::int64_t kMostCounters = std::int64_t{1} << 19;
 
 RowCrossing crossing_of(const FoundCrossing& found) {
   return RowCrossing::make(found.row() % kTileRows, static_cast<std::int64_t>(found.past()), found.enters() ? 1 : -1);
 }
 
-// Few crossings, and in some meshes many.
+// Sorts the crossings of a row of tiles: few, and in some meshes many.
 void sort(std::span<RowCrossing> crossings) {
   constexpr std::size_t kMost = 2048;
   if (crossings.size() < 2) return;
   if (crossings.size() > kMost) return std::sort(crossings.begin(), crossings.end());
-  // By row first: a few are left for each, in any order.
+  // Sort by row first, which leaves a few in each row in any order.
   std::array<RowCrossing, kMost> by_row;
   std::array<std::uint16_t, kTileRows + 1> end{};
   for (const RowCrossing& one : crossings) ++end[static_cast<std::size_t>(one.row()) + 1];
   for (std::size_t row = 0; row < kTileRows; ++row) end[row + 1] = static_cast<std::uint16_t>(end[row] + end[row + 1]);
   for (const RowCrossing& one : crossings) by_row[end[static_cast<std::size_t>(one.row())]++] = one;
-  // Insertion moves none past those of its row.
+  // Insert each among the crossings of its row.
   for (std::size_t n = 0; n < crossings.size(); ++n) {
     const RowCrossing one = by_row[n];
     std::size_t at = n;
@@ -71,7 +71,7 @@ RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressM
       try_(std::min(rows_of_tiles_, kMostRowsOfTiles)) {}
 
 std::int64_t RowCrossings::load(std::int64_t first) {
-  // Whole layers of tiles, or a part of one.
+  // Try whole layers of tiles, or a part of one layer; then less, and at last row by row.
   for (;; try_ = std::max<std::int64_t>(1, try_ / 2)) {
     std::int64_t count = std::min(try_, rows_of_tiles_ - first);
     const std::int64_t in_layer = first % tiles_y_;
@@ -107,7 +107,7 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   });
   if (budget.is_spent()) return false;
 
-  // Sorted by row of tiles: the crossings of each part are counted, then each has places of its own.
+  // Sort by row of tiles: count the crossings of each part, then give each its own places.
   std::vector<std::vector<const CrossingList*>> parts;
   const std::int64_t most_parts = std::max<std::int64_t>(1, kMostCounters / static_cast<std::int64_t>(count));
   std::size_t lists_seen = 0;
@@ -144,8 +144,8 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   return true;
 }
 
-// Steps at the same sample are added up, so that there are no more crossings than samples, or than triangles in
-// 2^17ths.
+// Adds up steps at the same sample. So the number of crossings is at most the number of samples, or a 2^17th of the
+// number of triangles if that is more.
 void RowCrossings::find_row_by_row(std::int64_t tiles) {
   std::vector<RowCrossing> all;
   const std::int64_t ty = tiles % tiles_y_, tz = tiles / tiles_y_;
@@ -178,6 +178,19 @@ std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid,
                      row_by_row = kGrowth * kTileRows *
                                   (std::min(grid.size.x, triangles) + triangles / RowCrossing::kMostSteps + 1);
   return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
+}
+
+void IntegerWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
+  std::int32_t winding = 0;
+  int row = -1;
+  for (const RowCrossing& crossing : crossings_.of_tiles(ty, tz)) {
+    winding = crossing.row() == row ? winding : 0;
+    row = crossing.row();
+    const bool before = is_inside(winding, rule_);
+    winding += crossing.step();
+    rows.toggle(row, crossing.past(), is_inside(winding, rule_) != before);
+  }
+  rows.finish_toggles();
 }
 
 }  // namespace standoff

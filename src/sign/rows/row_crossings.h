@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the rows of a grid cross a mesh: all crossings of the triangles with the lines of samples along x.
+// The crossings of a grid's rows, its lines of samples along x, with a mesh; and the integer winding numbers of closed
+// meshes, which are their sums.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +9,15 @@
 #include <vector>
 
 #include "core/progress.h"
-#include "sign/inside_rows.h"
 #include "sign/oriented_mesh.h"
 #include "sign/rows/row_scan.h"
+#include "sign/sides.h"
 #include "standoff/grid.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 
-/// Between two of its samples a row crosses one or more triangles.
+/// A row crosses one or more triangles between two of its samples.
 struct RowCrossing {
   std::uint64_t key;  ///< sorts by row, then along the row
 
@@ -30,7 +32,7 @@ struct RowCrossing {
   int row() const { return static_cast<int>(key >> (kPastBits + kStepBits)); }
   /// The first sample past the triangles.
   std::int64_t past() const { return static_cast<std::int64_t>(key << 6 >> (6 + kStepBits)); }
-  /// What the winding number changes by at that sample: 1 where the row enters the solid, -1 where it leaves it.
+  /// The change of the winding number at that sample: 1 where the row enters the solid, -1 where it leaves it.
   std::int32_t step() const {
     return static_cast<std::int32_t>(key & ((std::uint64_t{1} << kStepBits) - 1)) -
            static_cast<std::int32_t>(kMostSteps);
@@ -38,29 +40,29 @@ struct RowCrossing {
   friend auto operator<=>(const RowCrossing&, const RowCrossing&) = default;
 };
 
-/// The crossings of a grid's rows, or of as many rows of tiles at a time as memory is meant to hold.
+/// The crossings of all rows of a grid, or of some rows of tiles at a time so that memory is bounded.
 class RowCrossings {
  public:
   /// All crossings of the grid. Requires a valid mesh and grid, which outlive this. Runs on the threads of the calling
   /// TBB arena.
   RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress);
-  /// None yet. `bytes`: what all crossings held at a time may take, or least_bytes if that is more.
+  /// Holds no crossings yet. `bytes` limits the crossings held at a time; least_bytes if that is more.
   RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes);
 
-  /// Finds the crossings of the rows of tiles from number `first` on (ty + tiles_y * tz), in place of those held, and
-  /// returns the number after the last one whose crossings fit. Runs on the threads of the calling TBB arena. Throws
-  /// Error{interrupted}.
+  /// Replaces the crossings held by the crossings of the rows of tiles from number `first` on (ty + tiles_y * tz).
+  /// Returns the number after the last row of tiles whose crossings fit. Runs on the threads of the calling TBB arena.
+  /// Throws Error{interrupted}.
   std::int64_t load(std::int64_t first);
 
-  /// Those of the 64 rows of the tiles (., ty, tz), sorted. Requires that they are held.
+  /// The crossings of the 64 rows of the tiles (., ty, tz), sorted. Requires that they are held.
   std::span<const RowCrossing> of_tiles(std::int64_t ty, std::int64_t tz) const {
     const auto n = static_cast<std::size_t>(ty + tiles_y_ * tz - first_);
     return std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
   }
 
-  /// The least that `bytes` may be for a mesh of so many triangles, which is enough for one row; and what is held
-  /// beside them at most.
+  /// The least value of `bytes` for a mesh, which is enough for one row.
   static std::int64_t least_bytes(std::int64_t triangles, int threads);
+  /// The most memory that is held beside the crossings.
   static std::int64_t other_bytes(std::int64_t triangles, const Grid& grid, int threads);
 
  private:
@@ -72,11 +74,29 @@ class RowCrossings {
   std::size_t triangles_;
   Size3 size_;
   ProgressMeter* progress_;
-  std::int64_t blocks_;  // of lists of found crossings, all threads together
+  std::int64_t blocks_;  // in the lists of found crossings of all threads together
   std::int64_t tiles_y_, rows_of_tiles_;
-  std::int64_t first_ = 0, try_;    // the first row of tiles that is held; how many are tried at once
+  std::int64_t first_ = 0, try_;    // the first row of tiles that is held; the number of rows to try at once
   std::vector<std::size_t> begin_;  // by row of tiles
   std::vector<RowCrossing> crossings_;
+};
+
+/// The sides of a closed mesh: its winding number is an integer, the sum of the crossings of a row.
+class IntegerWinding final : public Sides {
+ public:
+  /// Requires a mesh that is closed in the orientation given, or, for WindingRule::odd, an even number of triangles at
+  /// each edge. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+  /// `bytes` limits the crossings held at a time (RowCrossings).
+  IntegerWinding(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress,
+                 std::int64_t bytes = std::numeric_limits<std::int64_t>::max())
+      : crossings_(mesh, grid, progress, bytes), rule_(rule) {}
+
+  std::int64_t load(std::int64_t first) override { return crossings_.load(first); }
+  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
+
+ private:
+  RowCrossings crossings_;
+  WindingRule rule_;
 };
 
 }  // namespace standoff

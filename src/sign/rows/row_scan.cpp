@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "core/tile_count.h"
-#include "sign/inside_rows.h"
 #include "sign/rows/ray_crossing.h"
+#include "sign/sides.h"
 
 namespace standoff {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using cpu::CrossedRows;
 using cpu::RowPatch;
 
-// Where rows are looked for, a corner is taken to be off by this much, in samples: far more than by rounding.
+// The search for rows takes a corner to be off by this much, in samples: far more than by rounding.
 constexpr double kNearRow = 0x1p-16;
 
 // y and z, side by side in a register.
@@ -28,7 +28,7 @@ Pair largest(Pair a, Pair b) { return a > b ? a : b; }
 
 Pair one_where(PairOfInts mask) { return reinterpret_cast<Pair>(mask & reinterpret_cast<PairOfInts>(Pair{1, 1})); }
 bool both(PairOfInts mask) { return (mask[0] & mask[1]) != 0; }
-// Requires |x| < 2^51: what is added leaves no room for fractions.
+// Adds a number so large that the sum has no room for fractions. Requires |x| < 2^51.
 template <class Number>
 Number rounded_to_nearest(Number x) {
   return (x + 0x1.8p52) - 0x1.8p52;
@@ -67,7 +67,7 @@ Pair corner_yz(const MeshView& mesh, std::size_t triangle, std::size_t n) {
   }
 }
 
-// Rows of patches of each width.
+// The place of each row in patches of each width.
 struct RowInPatch {
   std::uint8_t p, q;
 };
@@ -95,7 +95,7 @@ ScanSpan span_in_plane(const RowPatch& t, double q, double slack, std::int64_t w
     if (q < std::min(q0, q1) - slack || q > std::max(q0, q1) + slack) continue;
     const double rise = q1 - q0, run = p1 - p0;
     double from = p0, to = p1;
-    // A cut that is off by less than half a row; else all of the side.
+    // Cut the side if the cut is off by less than half a row; else take all of the side.
     if (std::abs(run) * 4 * slack < std::abs(rise)) from = to = p0 + run * std::clamp((q - q0) / rise, 0.0, 1.0);
     low = std::min({low, from, to});
     high = std::max({high, from, to});
@@ -108,7 +108,7 @@ ScanSpan span_in_plane(const RowPatch& t, double q, double slack, std::int64_t w
 
 }  // namespace
 
-// Patches that wait for the kernel, and where their rows are.
+// Patches that wait for the kernel, and the places of their rows.
 struct RowScan::Batch {
   Batch(const RowWindow& rows, CrossingList& to, std::int64_t tiles_along_y)
       : window(rows),
@@ -118,13 +118,13 @@ struct RowScan::Batch {
 
   const RowWindow& window;
   CrossingList& list;
-  std::int64_t tiles_y, first_tiles;  // of the grid, and the number of the window's first row of tiles
+  std::int64_t tiles_y, first_tiles;  // tiles of the grid along y, and the number of the window's first row of tiles
   int count = 0;
   std::array<RowPatch, CrossedRows::kMostPatches> patches;
   std::array<Place, CrossedRows::kMostPatches> places;
   CrossedRows found;
 
-  // The patch in the next place gets these rows, from (p, q) on; `place` is that of (0, 0).
+  // Gives the patch in the next place these rows, from (p, q) on; `place` is the place of (0, 0).
   void add(std::int64_t p, std::int64_t q, const Extent& rows, const Place& place) {
     RowPatch& patch = patches[static_cast<std::size_t>(count)];
     patch.first = {static_cast<float>(p), static_cast<float>(q)};
@@ -132,7 +132,7 @@ struct RowScan::Batch {
     patch.height = static_cast<std::int32_t>(rows.planes);
     places[static_cast<std::size_t>(count++)] = {place.triangle, place.base, place.j + p, place.k + q};
   }
-  // The row (j, k) of a number in `found`.
+  // The row (j, k) that a number in `found` stands for.
   std::array<std::int64_t, 2> row_of(std::uint32_t number) const {
     const std::uint32_t row = number % RowPatch::kMostRows, which = number / RowPatch::kMostRows;
     const Place& place = places[which];
@@ -157,8 +157,8 @@ RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd)
       y_{grid.origin.y, grid.spacing.y, grid.size.y},
       z_{grid.origin.z, grid.spacing.z, grid.size.z},
       kernels_(&cpu::sign_kernels_for(simd)) {
-  // A corner becomes samples by three operations, of which each adds 2^-53 of at most size + kMost; a sample is off its
-  // place by two roundings, of at most size and of size + |origin| / spacing.
+  // Three operations turn a corner into samples, and each adds an error of 2^-53 times at most size + kMost. Two
+  // roundings move a sample off its place, by 2^-53 times at most size and size + |origin| / spacing.
   const auto slack = [](double origin, double spacing, std::int64_t size) {
     return 0x1p-50 * (static_cast<double>(size) + RowPatch::kMost + std::abs(origin) / spacing);
   };
@@ -192,11 +192,11 @@ bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) co
     const Pair a = corner_yz<kPacked>(mesh_.mesh, t, 0), b = corner_yz<kPacked>(mesh_.mesh, t, 1),
                c = corner_yz<kPacked>(mesh_.mesh, t, 2);
     const Pair low = least(least(a, b), c), high = largest(largest(a, b), c);
-    // The first rows after low - kNearRow and after high + kNearRow: one too many at each end, at most.
+    // Take the first rows after low - kNearRow and after high + kNearRow: at most one too many at each end.
     Pair begin = rounded_down(largest((low - origin) * per + before, window_begin)),
          past = rounded_down(largest(least((high - origin) * per + after, window_end), none));
     if (!both(begin < past)) continue;
-    // Half open: a row at the largest y or z passes beside the triangle.
+    // Make the range half open: a row at the largest y or z passes beside the triangle.
     begin += one_where(origin + spacing * begin < low);
     past -= one_where(origin + spacing * (past - 1) >= high);
     if (!both(begin < past) || mesh_.use_of(t) == 0) continue;
@@ -206,7 +206,7 @@ bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) co
     const double low_x = least(xs[0], xs[1], xs[2]);
     if (low_x > size_x + 1) continue;
     if (batch.count == CrossedRows::kMostPatches && !finish(batch)) return false;
-    // All relative to a sample near the triangle. Written where it stays: a copy would wait for these numbers.
+    // Write coordinates relative to a sample near the triangle, directly into the batch: a copy would wait for them.
     RowPatch& patch = batch.patches[static_cast<std::size_t>(batch.count)];
     const double base = rounded_down(std::max(low_x, -0x1p40));
     const double x0 = xs[0] - base, x1 = xs[1] - base, x2 = xs[2] - base;
@@ -239,7 +239,7 @@ bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) co
   return true;
 }
 
-// A triangle with too many rows for one patch.
+// Adds a triangle with too many rows for one patch.
 bool RowScan::add_strips(const RowPatch& patch, const Extent& rows, const Place& place, Batch& batch) const {
   const auto [columns, planes] = rows;
   const auto add = [&](std::int64_t p, std::int64_t q, std::int64_t width, std::int64_t height) {

@@ -1,13 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of one axis of a grid, as Grid::position gives them.
+// The samples of one axis of a grid, and the search for the first one where a predicate turns true, from a guess that
+// is nearly always right.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-
-#include "sign/rows/first_from_guess.h"
 
 namespace standoff {
 
+/// The first of `size` samples at or above `place`, which counts samples from the first one; or `size`. Rounds up
+/// without ceil(), which is a call where there is no SSE4.1.
+inline std::int64_t sample_at_or_above(double place, std::int64_t size) {
+  if (!(place > 0)) return 0;
+  if (!(place < static_cast<double>(size))) return size;
+  const auto below = static_cast<std::int64_t>(place);
+  return below + (static_cast<double>(below) < place);
+}
+
+/// The first n in [0, size) for which is_true(n), or `size`. is_true must stay true once it is. Takes two calls where
+/// the guess is right, and a logarithm of its error otherwise.
+template <class Predicate>
+std::int64_t first_from_guess(std::int64_t guess, std::int64_t size, const Predicate& is_true) {
+  std::int64_t low = guess - 1, high = guess;  // false at low, true at high, where low < 0 is false and size is true
+  for (std::int64_t step = 1; low >= 0 && is_true(low); step *= 2) {
+    high = low;
+    low -= step;
+  }
+  for (std::int64_t step = 1; high < size && !is_true(high); step *= 2) {
+    low = high;
+    high += step;
+  }
+  low = std::max<std::int64_t>(low, -1);
+  high = std::min(high, size);
+  while (high - low > 1) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (is_true(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+/// The samples of one axis of a grid, as Grid::position gives them.
 class SampleAxis {
  public:
   SampleAxis(double origin, double spacing, std::int64_t size)

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sign/sides.h"
+
+#include <array>
+#include <cstring>
+
+#include "core/tile_count.h"
+
+namespace standoff {
+
+std::int64_t InsideRows::bytes(const Grid& grid) { return kRows * tiles_along(grid.size.x); }
+
+InsideRows::InsideRows(const Grid& grid) : size_(grid.size), bits_(static_cast<std::size_t>(bytes(grid))) {}
+
+void InsideRows::clear(std::int64_t ty, std::int64_t tz) {
+  rows_y_ = std::min<std::int64_t>(kSide, size_.y - kSide * ty);
+  rows_z_ = std::min<std::int64_t>(kSide, size_.z - kSide * tz);
+  if (first_tile_ < end_of_tiles_)
+    std::fill(bits_.begin() + kRows * first_tile_, bits_.begin() + kRows * end_of_tiles_, std::uint8_t{0});
+  first_tile_ = tiles_along(size_.x);
+  end_of_tiles_ = 0;
+}
+
+void InsideRows::set(int row, std::int64_t begin, std::int64_t end) {
+  const std::int64_t first = begin / kSide, last = (end - 1) / kSide;
+  first_tile_ = std::min(first_tile_, first);
+  end_of_tiles_ = std::max(end_of_tiles_, last + 1);
+  const auto head = static_cast<std::uint8_t>(0xff << (begin % kSide)),
+             tail = static_cast<std::uint8_t>(0xff >> (kSide - 1 - (end - 1) % kSide));
+  const auto at = [&](std::int64_t tx) -> std::uint8_t& { return bits_[static_cast<std::size_t>(kRows * tx + row)]; };
+  if (first == last) {
+    at(first) |= head & tail;
+    return;
+  }
+  at(first) |= head;
+  for (std::int64_t tx = first + 1; tx < last; ++tx) at(tx) = 0xff;
+  at(last) |= tail;
+}
+
+// Carries the last sample of each tile into the next tile of its row.
+void InsideRows::finish_toggles() {
+  using Rows = std::int8_t __attribute__((vector_size(16)));
+  const std::int64_t tiles = tiles_along(size_.x);
+  std::array<Rows, kRows / sizeof(Rows)> before{};
+  for (std::int64_t tx = first_tile_; tx < tiles; ++tx) {
+    std::uint8_t* const bytes = bits_.data() + kRows * tx;
+    for (Rows& rows : before) {
+      std::uint8_t* const here = bytes + sizeof(Rows) * static_cast<std::size_t>(&rows - before.data());
+      Rows toggled;
+      std::memcpy(&toggled, here, sizeof toggled);
+      rows = toggled ^ (rows < 0);
+      std::memcpy(here, &rows, sizeof rows);
+    }
+  }
+  if (first_tile_ == tiles) return;
+  end_of_tiles_ = tiles;
+  // Put all beyond the grid outside.
+  if (const std::int64_t last = samples_along_x(tiles - 1); last < kSide)
+    for (std::uint8_t& byte : tile(tiles - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
+}
+
+void InsideRows::invert() {
+  first_tile_ = 0;
+  end_of_tiles_ = tiles_along(size_.x);
+  for (std::int64_t tx = 0; tx < tiles_along(size_.x); ++tx)
+    for (int row = 0; row < kRows; ++row) tile(tx)[static_cast<std::size_t>(row)] ^= full_byte(row, tx);
+}
+
+bool InsideRows::is_empty(std::int64_t tx) const {
+  unsigned any = 0;
+  for (const std::uint8_t byte : tile(tx)) any |= byte;
+  return any == 0;
+}
+
+bool InsideRows::is_full(std::int64_t tx) const {
+  unsigned missing = 0;
+  if (rows_y_ == kSide && rows_z_ == kSide && samples_along_x(tx) == kSide) {
+    for (const std::uint8_t byte : tile(tx)) missing |= byte ^ 0xffu;
+  } else {
+    for (int row = 0; row < kRows; ++row)
+      missing |= tile(tx)[static_cast<std::size_t>(row)] ^ unsigned { full_byte(row, tx) };
+  }
+  return missing == 0;
+}
+
+}  // namespace standoff
