@@ -10,7 +10,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "field/plan.h"
-#include "sign/make_sides.h"
+#include "sign/make_signs.h"
 #include "sign/plan.h"
 
 namespace standoff {
@@ -57,7 +57,7 @@ class Computation {
   /// As planned.
   SignMethod sign_method() const { return sign_plan_.report.method; }
   /// Of the planned sign, which is not that of a shell; nothing where there turns out to be no inside.
-  std::unique_ptr<Sides> sides(const NearestTriangles& nearest);
+  std::unique_ptr<SampleSigns> sides(const NearestTriangles& nearest);
   /// What the report says of all computations. `hash`: the mesh's, or 0.
   void finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash);
 

@@ -58,9 +58,9 @@ Job Computation::job() {
           .device = options_.execution.device};
 }
 
-std::unique_ptr<Sides> Computation::sides(const NearestTriangles& nearest) {
+std::unique_ptr<SampleSigns> Computation::sides(const NearestTriangles& nearest) {
   const UnsignedField field{plan_.grid, plan_.field_thickness, nearest, crossing_bytes(plan_)};
-  return make_sides(mesh_, sign_plan_, options_.sign, field, progress_);
+  return make_signs(mesh_, sign_plan_, options_.sign, field, progress_);
 }
 
 void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash) {
@@ -86,7 +86,7 @@ class FieldOutput {
   explicit FieldOutput(DistanceField& field) : field_(field) {}
   Sink sink() { return Sink(field_); }
   NearestTriangles nearest() const { return NearestTriangles(field_); }
-  void sign(Sides& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
+  void sign(SampleSigns& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -99,7 +99,7 @@ class DenseOutput {
       : grid_(grid), values_(values), nearest_(nearest) {}
   Sink sink() { return {grid_, values_, nearest_}; }
   NearestTriangles nearest() const { return {grid_, nearest_}; }
-  void sign(Sides& sides, bool invert, ProgressMeter& progress) {
+  void sign(SampleSigns& sides, bool invert, ProgressMeter& progress) {
     sign_values(sides, invert, grid_, values_, progress);
   }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }

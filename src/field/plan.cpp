@@ -17,8 +17,8 @@
 #include "sign/diagnosis/closed.h"
 #include "sign/plan.h"
 #include "sign/rows/row_crossings.h"
-#include "sign/sides.h"
 #include "sign/sign_field.h"
+#include "sign/signs.h"
 
 namespace standoff {
 

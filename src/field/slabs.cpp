@@ -127,7 +127,7 @@ class SlabComputation::Work {
   std::uint64_t hash_ = 0;
   std::optional<Job> job_;
   std::unique_ptr<LayerGather> gather_;  // none where the only slab is the whole field
-  std::unique_ptr<Sides> sides_;
+  std::unique_ptr<SampleSigns> sides_;
   std::optional<RowsOfTiles> rows_;
   ComputeReport report_;
   DistanceField field_;

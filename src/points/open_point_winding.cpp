@@ -10,7 +10,7 @@
 
 #include "core/threads.h"
 #include "sign/open_winding/caps.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 namespace {

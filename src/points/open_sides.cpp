@@ -8,7 +8,7 @@
 
 #include "core/threads.h"
 #include "points/known_windings.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 namespace {

@@ -39,9 +39,9 @@ void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kT
 }
 
 // Gives the tiles of a row of tiles their signs.
-class TileSigns {
+class SignedTiles {
  public:
-  TileSigns(const InsideRows& rows, std::int64_t ty, std::int64_t tz, DistanceField& field)
+  SignedTiles(const InsideRows& rows, std::int64_t ty, std::int64_t tz, DistanceField& field)
       : rows_(rows), ty_(ty), tz_(tz), field_(field) {}
 
   void add(std::int64_t tx) {
@@ -78,21 +78,21 @@ class TileSigns {
 
 }  // namespace
 
-void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress) {
-  RowsOfTiles rows(sides, invert, field.grid(), progress);
+void sign_field(SampleSigns& signs, bool invert, DistanceField& field, ProgressMeter& progress) {
+  RowsOfTiles rows(signs, invert, field.grid(), progress);
   sign_slab(rows, 0, field);
 }
 
 void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab) {
   rows.next_layers(slab.tile_count().z, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-    TileSigns signs(inside, ty, tz - first_layer, slab);
+    SignedTiles signs(inside, ty, tz - first_layer, slab);
     for (std::int64_t tx = inside.first_tile(); tx < inside.end_of_tiles(); ++tx) signs.add(tx);
     signs.finish();
   });
 }
 
-void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
-  for_each_row_of_tiles(sides, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
+void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
+  for_each_row_of_tiles(signs, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
       const auto first =
@@ -117,10 +117,10 @@ void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> v
   });
 }
 
-SampleBits bits_of(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress) {
+SampleBits bits_of(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress) {
   constexpr std::int64_t kSide = InsideRows::kSide;
   SampleBits bits(grid.size);
-  for_each_row_of_tiles(sides, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
+  for_each_row_of_tiles(signs, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
       const std::int64_t j = kSide * ty + row % kSide, k = kSide * tz + row / kSide;

@@ -14,19 +14,19 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/sign.h"
 
 namespace standoff {
 
-/// Goes through the rows of tiles once, some layers of tiles at a time. What the sides have loaded serves all layers
-/// that it holds. Runs on the threads of the TBB arena that constructs it.
+/// Goes through the rows of tiles once, some layers of tiles at a time. All that the signs have loaded serves all
+/// layers that it holds. Runs on the threads of the TBB arena that constructs it.
 class RowsOfTiles {
  public:
-  RowsOfTiles(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress)
-      : sides_(sides),
+  RowsOfTiles(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress)
+      : signs_(signs),
         invert_(invert),
         tiles_y_(tiles_along(grid.size.y)),
         all_(tiles_y_ * tiles_along(grid.size.z)),
@@ -37,7 +37,7 @@ class RowsOfTiles {
   template <class Use>
   void next_layers(std::int64_t layers, const Use& use) {
     for (const std::int64_t end = std::min(all_, next_ + layers * tiles_y_); next_ < end;) {
-      if (next_ == loaded_) loaded_ = std::min(all_, sides_.load(next_));
+      if (next_ == loaded_) loaded_ = std::min(all_, signs_.load(next_));
       const std::int64_t stop = std::min(end, loaded_);
       tbb::parallel_for(tbb::blocked_range<std::int64_t>(next_, stop, 8), [&](const auto& range) {
         InsideRows& rows = scratch_.local();
@@ -45,7 +45,7 @@ class RowsOfTiles {
           progress_.check();  // a range may be many rows
           const std::int64_t ty = n % tiles_y_, tz = n / tiles_y_;
           rows.clear(ty, tz);
-          sides_.fill(rows, ty, tz);
+          signs_.fill(rows, ty, tz);
           if (invert_) rows.invert();
           use(rows, ty, tz);
         }
@@ -55,7 +55,7 @@ class RowsOfTiles {
   }
 
  private:
-  Sides& sides_;
+  SampleSigns& signs_;
   bool invert_;
   std::int64_t tiles_y_, all_;
   ProgressMeter& progress_;
@@ -65,8 +65,8 @@ class RowsOfTiles {
 
 /// Calls use(rows, ty, tz) for each row of tiles, on the threads of the calling TBB arena. Throws Error{interrupted}.
 template <class Use>
-void for_each_row_of_tiles(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress, const Use& use) {
-  RowsOfTiles(sides, invert, grid, progress).next_layers(tiles_along(grid.size.z), use);
+void for_each_row_of_tiles(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress, const Use& use) {
+  RowsOfTiles(signs, invert, grid, progress).next_layers(tiles_along(grid.size.z), use);
 }
 
 /// One bit for each sample of a grid. Rows along x, y before z; each begins with a new byte, its first sample in the
@@ -85,16 +85,16 @@ struct SampleBits {
 };
 
 /// Which samples are inside. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
-SampleBits bits_of(Sides& sides, bool invert, const Grid& grid, ProgressMeter& progress);
+SampleBits bits_of(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress);
 
 /// Negates the values inside. A tile that is not stored is marked as inside, or is stored if it has samples on both
 /// sides. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
-void sign_field(Sides& sides, bool invert, DistanceField& field, ProgressMeter& progress);
+void sign_field(SampleSigns& signs, bool invert, DistanceField& field, ProgressMeter& progress);
 /// The same for the layers of tiles of a slab, which are the next ones of `rows`. The first one is layer `first_layer`
 /// of the whole grid. Runs on the threads of the TBB arena of `rows`.
 void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab);
 /// The same for one value per sample, x fastest.
-void sign_values(Sides& sides, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress);
+void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress);
 
 /// A sheet as a solid: the distance to it, less half of the solid's thickness. World units.
 class Shell {

@@ -9,7 +9,7 @@
 #include "geometry/predicates.h"
 #include "scenes/scenes.h"
 #include "sign/open_winding/caps.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"
 #include "tests/support/reference.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sign/rows/ray_crossing.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "simd/dispatch.h"
 #include "tests/support/random_mesh.h"
 

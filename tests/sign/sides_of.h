@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/tile_count.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff::testing {
 
 /// Whether each sample is inside, x fastest. Samples beyond the grid must be outside.
-inline std::vector<bool> sides_of(Sides& sides, const Grid& grid) {
+inline std::vector<bool> sides_of(SampleSigns& sides, const Grid& grid) {
   sides.load(0);  // everything at once
   std::vector<bool> inside(static_cast<std::size_t>(grid.sample_count()));
   InsideRows rows(grid);

@@ -9,7 +9,7 @@
 
 #include "core/progress.h"
 #include "field/reference.h"
-#include "sign/make_sides.h"
+#include "sign/make_signs.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::testing {
@@ -50,7 +50,7 @@ class SidesOfSamples {
     const ProgressCallback none;
     ProgressMeter progress(none);
     SignPlan plan = plan_;
-    const auto sides = make_sides(mesh_, plan, options_, {grid}, progress);
+    const auto sides = make_signs(mesh_, plan, options_, {grid}, progress);
     sides->load(0);  // everything at once
     InsideRows rows(grid);
     Sides found;

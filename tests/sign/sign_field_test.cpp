@@ -27,7 +27,7 @@ using testing::Random;
 // Rows of tiles come once each, by as many layers as are asked for, whatever their sides load at a time.
 
 // Loads so many rows of tiles at a time, and marks one sample in each row.
-class FewAtATime final : public Sides {
+class FewAtATime final : public SampleSigns {
  public:
   FewAtATime(std::int64_t rows, std::int64_t tiles_y) : rows_(rows), tiles_y_(tiles_y) {}
   std::int64_t load(std::int64_t first) override {

@@ -92,16 +92,49 @@ std::vector<std::int64_t> votes_for_one(const MeshEdges& edges, const Faces& fac
   return votes;
 }
 
+std::int64_t forward_in(std::span<const Copy> copies) { return std::ranges::count_if(copies, &Copy::forward); }
+
+void count_copies(const Faces& faces, Duplicates& found) {
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    const std::span<const Copy> copies = faces.of(face);
+    const std::int64_t all = std::ssize(copies), forward = forward_in(copies), backward = all - forward;
+    found.repeated += all - 1;
+    found.opposite += std::min(forward, backward);
+    found.same += std::max<std::int64_t>(forward - 1, 0) + std::max<std::int64_t>(backward - 1, 0);
+  }
+}
+
 // Marks the triangles in opposite pairs: the same number of each face in either orientation.
 void mark_paired(const Faces& faces, std::size_t triangles, Duplicates& found) {
   found.paired.assign(triangles, 0);
   for (std::size_t face = 0; face < faces.size(); ++face) {
     const std::span<const Copy> copies = faces.of(face);
-    const auto forward = std::ranges::count_if(copies, &Copy::forward);
+    const std::int64_t forward = forward_in(copies);
     std::array<std::int64_t, 2> left;
-    left.fill(std::min(forward, std::ranges::ssize(copies) - forward));
+    left.fill(std::min(forward, std::ssize(copies) - forward));
     for (const Copy& copy : copies) found.paired[copy.triangle] = left[copy.forward]-- > 0;
   }
+}
+
+// Keeps `keep` copies of a face: of the more frequent orientation, or of the first triangle's if both are equally
+// frequent. Leaves out the others.
+void leave_out_copies(std::span<const Copy> copies, std::int64_t keep, Duplicates& found) {
+  const std::int64_t forward = forward_in(copies), backward = std::ssize(copies) - forward;
+  const bool kept_forward = forward == backward ? copies.front().forward : forward > backward;
+  std::int64_t left = keep;
+  std::uint32_t kept = kNoTriangle, opposite = kNoTriangle;
+  for (const Copy& copy : copies) {
+    if (copy.forward == kept_forward && left > 0) {
+      --left;
+      kept = copy.triangle;
+      continue;
+    }
+    found.use[copy.triangle] = 0;
+    ++found.left_out;
+    if (copy.forward != kept_forward) opposite = copy.triangle;
+  }
+  found.same_winding = found.same_winding && keep == std::abs(forward - backward);
+  if (keep == 1 && opposite != kNoTriangle) found.either.emplace_back(kept, opposite);
 }
 
 }  // namespace
@@ -110,41 +143,18 @@ Duplicates find_duplicates(const MeshEdges& edges, std::size_t triangles, const 
   Duplicates found;
   const Faces faces = faces_with_copies(edges);
   if (faces.size() == 0) return found;
-  const auto forward_of = [&](std::size_t face) { return std::ranges::count_if(faces.of(face), &Copy::forward); };
-  for (std::size_t face = 0; face < faces.size(); ++face) {
-    const auto all = std::ranges::ssize(faces.of(face)), forward = forward_of(face), backward = all - forward;
-    found.repeated += all - 1;
-    found.opposite += std::min(forward, backward);
-    found.same += std::max<std::int64_t>(forward - 1, 0) + std::max<std::int64_t>(backward - 1, 0);
-  }
+  count_copies(faces, found);
   if (found.opposite > 0) mark_paired(faces, triangles, found);
   found.two_sided = static_cast<double>(2 * found.opposite) >= kTwoSided * static_cast<double>(triangles);
+
   const std::vector<std::int64_t> votes = votes_for_one(edges, faces, triangles);
   found.use.assign(triangles, 1);
   for (std::size_t face = 0; face < faces.size(); ++face) {
     const std::span<const Copy> copies = faces.of(face);
-    const auto forward = forward_of(face), backward = std::ranges::ssize(copies) - forward;
-    const auto excess = std::abs(forward - backward);
-    const bool one =
-        votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
-        ((found.two_sided || parts.keeps(copies.front().triangle)) && excess != std::ranges::ssize(copies));
-    const auto keep = one && excess % 2 == 0 ? std::int64_t{1} : excess;
-    // Keep the more frequent orientation, or the first triangle's if both are equally frequent.
-    const bool kept_forward = excess == 0 ? copies.front().forward : forward > backward;
-    std::int64_t left = keep;
-    std::uint32_t kept = kNoTriangle, opposite = kNoTriangle;
-    for (const Copy& copy : copies) {
-      if (copy.forward == kept_forward && left > 0) {
-        --left;
-        kept = copy.triangle;
-        continue;
-      }
-      found.use[copy.triangle] = 0;
-      ++found.left_out;
-      if (copy.forward != kept_forward) opposite = copy.triangle;
-    }
-    found.same_winding = found.same_winding && keep == excess;
-    if (keep == 1 && opposite != kNoTriangle) found.either.emplace_back(kept, opposite);
+    const std::int64_t excess = std::abs(2 * forward_in(copies) - std::ssize(copies));
+    const bool keeps_one = votes[face] > 0 || (votes[face] == 0 && excess == 0) ||
+                           ((found.two_sided || parts.keeps(copies.front().triangle)) && excess != std::ssize(copies));
+    leave_out_copies(copies, keeps_one && excess % 2 == 0 ? 1 : excess, found);
   }
   if (found.left_out == 0) found.use.clear();
   return found;

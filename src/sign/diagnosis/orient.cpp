@@ -119,6 +119,8 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   const std::size_t triangles = mesh.triangles.size();
   Orientation found;
   found.inconsistent_before = inconsistent_edges(edges, {});
+
+  // Leave out duplicates.
   Duplicates duplicates = find_duplicates(edges, triangles, {});
   const TwoSidedParts parts = find_two_sided_parts(mesh, edges, duplicates);
   if (std::ranges::count(parts.kept, 1) > 0) duplicates = find_duplicates(edges, triangles, parts);
@@ -128,6 +130,7 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
   found.opposite = duplicates.opposite;
   found.two_sided = duplicates.two_sided;
 
+  // Make patches and pieces consistent, and orient pieces outwards.
   Patches patches = find_patches(edges, duplicates, triangles);
   found.patches = patches_in_use(edges, patches);
   found.unorientable = std::ranges::count(patches.unorientable, 1);
@@ -141,12 +144,15 @@ Orientation orient(MeshView mesh, const MeshEdges& edges) {
       found.use[kept] = 0;
       found.use[opposite] = 1;
     }
+
+  // Count what was done.
   found.flipped = std::ranges::count(found.use, -1);
   found.left_out = duplicates.left_out + pieces.walls;
   found.walls = pieces.walls;
   found.inconsistent_after = inconsistent_edges(edges, found.use);
   found.boundary_edges = boundary_edges(edges, found.use);
-  // A mesh that needs nothing is used as it is, with the pairs that cancel each other.
+
+  // Use a mesh that needs nothing as it is, with the pairs that cancel each other.
   if (found.flipped == 0 && found.walls == 0 && duplicates.same_winding) {
     found.use.clear();
     found.left_out = 0;

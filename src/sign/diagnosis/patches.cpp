@@ -234,11 +234,12 @@ void let_majority_stay(const Patches& patches, const std::vector<std::uint32_t>&
     if (balance[piece_of[p]] < 0) orientations[p] = static_cast<std::int8_t>(-orientations[p]);
 }
 
-// Leaves patches of the wanted pieces out where that leaves less over, those with few triangles first. Keeps the result
-// for pieces in which all cancels then, and the majority stays a solid.
-void leave_out_what_does_not_cancel(MeshView mesh, const Borders& borders, const Patches& patches,
-                                    const std::vector<std::uint32_t>& piece_of, const std::vector<std::uint8_t>& wanted,
-                                    std::vector<std::int8_t>& orientations) {
+// The orientations after patches of the wanted pieces are left out where that leaves less over, those with few
+// triangles first.
+std::vector<std::int8_t> leave_out_greedily(const Borders& borders, const Patches& patches,
+                                            const std::vector<std::uint32_t>& piece_of,
+                                            const std::vector<std::uint8_t>& wanted,
+                                            std::vector<std::int8_t> orientations) {
   std::vector<std::int64_t> triangles(patches.size());
   for (const std::uint32_t patch : patches.of) ++triangles[patch];
   struct EdgeExcess {
@@ -257,22 +258,27 @@ void leave_out_what_does_not_cancel(MeshView mesh, const Borders& borders, const
     }
   });
 
-  // Leave out patches greedily.
   std::vector<std::uint32_t> order;
   for (std::uint32_t p = 0; p < patches.size(); ++p)
     if (!borders_of[p].empty()) order.push_back(p);
   std::ranges::sort(order, {}, [&](std::uint32_t p) { return std::tuple(triangles[p], p); });
-  std::vector<std::int8_t> found = orientations;
   for (const std::uint32_t p : order) {
     std::int64_t gain = 0;
     for (const EdgeExcess& at : borders_of[p])
-      gain += std::abs(left_over[at.edge]) - std::abs(left_over[at.edge] - found[p] * at.excess);
+      gain += std::abs(left_over[at.edge]) - std::abs(left_over[at.edge] - orientations[p] * at.excess);
     if (gain <= 0) continue;
-    for (const EdgeExcess& at : borders_of[p]) left_over[at.edge] -= found[p] * at.excess;
-    found[p] = 0;
+    for (const EdgeExcess& at : borders_of[p]) left_over[at.edge] -= orientations[p] * at.excess;
+    orientations[p] = 0;
   }
+  return orientations;
+}
 
-  // Keep what became solids.
+// Leaves patches of the wanted pieces out that do not cancel, in pieces in which all cancels then, and the majority
+// stays a solid.
+void leave_out_what_does_not_cancel(MeshView mesh, const Borders& borders, const Patches& patches,
+                                    const std::vector<std::uint32_t>& piece_of, const std::vector<std::uint8_t>& wanted,
+                                    std::vector<std::int8_t>& orientations) {
+  const std::vector<std::int8_t> found = leave_out_greedily(borders, patches, piece_of, wanted, orientations);
   const std::size_t pieces = wanted.size();
   const std::vector<std::int64_t> weight = weights(borders, piece_of, pieces, found);
   std::vector<std::int64_t> balance(pieces);

@@ -34,51 +34,25 @@ constexpr auto kHalf = static_cast<std::uint16_t>(RimDistances::kFar / kCertainl
 
 }  // namespace
 
-Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
-    : lattice_(TileLattice::around(grid, bounds(mesh))),
-      edges_(mesh, lattice_, progress),
-      whole_tiles_(lattice_.tile_count()) {
-  const std::vector<RimEdge> rims = is_closed(mesh).unoriented ? std::vector<RimEdge>() : rim_edges_of(mesh, progress);
-  if (rims.empty()) {
-    parts_.resize(edges_.tiles().count());
-    flood(progress);
-  } else {
-    const double half = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / 2;
-    const RimDistances distances(rims, lattice_, kCertainly * half, progress);
-    const GridEdges crossed = std::exchange(edges_, GridEdges(edges_, distances, kHalf, lattice_));
-    parts_.resize(edges_.tiles().count());
-    flood(progress);
-    settle(crossed, distances, progress);
-  }
-  inside_samples_ = count_inside(grid.size);
-}
-
 // Floods from the outermost tiles. A tile without crossed edges is reached as a whole. The result does not depend on
 // the order of the tiles.
 void Flood::flood(ProgressMeter& progress) {
   std::vector<std::size_t> next;
   for_each_outermost(lattice_, [&](std::size_t tile, Face face) { enter(tile, at_face(face), next); });
-  const std::array<std::int64_t, 3> tiles{lattice_.tiles.x, lattice_.tiles.y, lattice_.tiles.z};
-  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(tiles[0]),
-                                          static_cast<std::size_t>(tiles[0] * tiles[1])};
   for (std::size_t n = 0; !next.empty(); ++n) {
     if (n % 4096 == 0) progress.check();
     const std::size_t tile = next.back();
     next.pop_back();
-    const std::array<std::int64_t, 3> at = lattice_.tile_at(tile);
     const TileBits from = reached(tile);
     const bool is_whole = whole_tiles_[tile];
-    for (const Face face : kFaces) {
-      if (at[face.axis] == (face.up ? tiles[face.axis] - 1 : 0)) continue;
-      const std::size_t other = face.up ? tile + stride[face.axis] : tile - stride[face.axis];
-      if (whole_tiles_[other]) continue;
+    for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
+      if (whole_tiles_[other]) return;
       if (is_whole && !edges_.tiles().has(other)) {
         whole_tiles_[other] = true;
-        next.push_back(other);
-        continue;
+        return next.push_back(other);
       }
       enter(other, beyond(from, face, edges_.of_tile(face.up ? tile : other)), next);
-    }
+    });
   }
 }
 
@@ -102,17 +76,11 @@ void Flood::enter(std::size_t tile, const TileBits& samples, std::vector<std::si
 
 // The samples of a tile that none of their six edges joins to another sample, where a path takes none of `edges`.
 TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
-  const Sample tiles{lattice_.tiles.x, lattice_.tiles.y, lattice_.tiles.z};
-  const Sample at = lattice_.tile_at(tile);
   const TileEdges& own = edges.of_tile(tile);
   TileBits joined = {};
-  for (const Face face : kFaces) {
-    if (at[face.axis] == (face.up ? tiles[face.axis] - 1 : 0)) continue;
-    Sample to = at;
-    to[face.axis] += face.up ? 1 : -1;
-    const std::size_t other = lattice_.index(to[0], to[1], to[2]);
+  for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
     joined = joined | beyond(kAllBits, {face.axis, !face.up}, edges.of_tile(face.up ? tile : other));
-  }
+  });
   // Join samples within the tile: an edge joins both its ends.
   for (int odd = 0; odd < 2; ++odd) {
     TileBits some;
@@ -128,59 +96,84 @@ TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
 // way that is much narrower than others from the same sample leads through a gap, and does not count. So sides spread
 // from sample to sample, in rounds, from samples whose side is known: outside if the flood reached them, inside if it
 // did not although they are not apart. Samples to which nothing spreads are inside.
-void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress) {
-  const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
+class Flood::Settling {
+ public:
+  // `crossed`: the edges that cross a triangle.
+  Settling(Flood& flood, const GridEdges& crossed, const RimDistances& rims)
+      : flood_(flood), lattice_(flood.lattice_), tiles_(flood.edges_.tiles()), crossed_(crossed), rims_(rims) {
+    const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
+    std::vector<std::size_t> tiles;
+    tiles_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
+    undecided_.resize(tiles.size());
+    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
+      undecided_[n] = flood_.apart(certain, tiles[n]) & ~flood_.reached(tiles[n]);
+    });
+    for (std::size_t n = 0; n < tiles.size(); ++n) add_samples(tiles[n], undecided_[n]);
+  }
+
+  void run(ProgressMeter& progress) {
+    while (!next_.empty()) {
+      progress.check();
+      decide_next();
+      find_next();
+    }
+  }
+
+ private:
   enum Side : std::uint8_t { unknown, outside, inside };
-  std::vector<TileBits> open(edges_.tiles().count());  // the samples to be decided, of each tile of edges_
-  std::vector<Sample> next;
-  const auto for_each_bit = [&](std::size_t tile, const TileBits& bits, const auto& use) {
+  // A sample by its tile, and x + 8 y + 64 z within it.
+  struct Place {
+    std::size_t tile, within;
+  };
+
+  void add_samples(std::size_t tile, const TileBits& bits) {
     const Sample at = lattice_.tile_at(tile);
     for (std::int64_t z = 0; z < 8; ++z)
       for (std::uint64_t rest = bits[static_cast<std::size_t>(z)]; rest != 0; rest &= rest - 1) {
         const std::int64_t bit = std::countr_zero(rest);
-        use(Sample{8 * at[0] + bit % 8, 8 * at[1] + bit / 8, 8 * at[2] + z});
+        next_.push_back({8 * at[0] + bit % 8, 8 * at[1] + bit / 8, 8 * at[2] + z});
       }
-  };
-  std::vector<std::size_t> tiles;
-  edges_.tiles().for_each([&](std::size_t tile) { tiles.push_back(tile); });
-  tbb::parallel_for(std::size_t{0}, tiles.size(),
-                    [&](std::size_t n) { open[n] = apart(certain, tiles[n]) & ~reached(tiles[n]); });
-  for (std::size_t n = 0; n < tiles.size(); ++n)
-    for_each_bit(tiles[n], open[n], [&](const Sample& at) { next.push_back(at); });
+  }
 
-  struct Place {
-    std::size_t tile, within;
-  };
-  const auto place_of = [&](const Sample& s) {
-    return Place{lattice_.index(s[0] / 8, s[1] / 8, s[2] / 8),
-                 static_cast<std::size_t>(s[0] % 8 + 8 * (s[1] % 8 + 8 * (s[2] % 8)))};
-  };
-  const auto bit_of = [](const TileBits& bits, const Place& at) {
-    return (bits[at.within / 64] >> at.within % 64 & 1) != 0;
-  };
-  const auto is_open = [&](const Place& at) {
-    return edges_.tiles().has(at.tile) && bit_of(open[edges_.tiles().number(at.tile)], at);
-  };
-  const auto side_of = [&](const Place& at) {
-    if (is_open(at)) return unknown;
-    return bit_of(reached(at.tile), at) ? outside : inside;
-  };
-  const auto is_in_lattice = [&](const Sample& s, std::size_t axis) {
-    return s[axis] >= 0 && s[axis] < lattice_.axes[axis].size();
-  };
-  const auto side_by_neighbours = [&](const Sample& sample) {
+  // Decides the samples of a round by the sides before it, so that their order does not matter.
+  void decide_next() {
+    decided_.clear();
+    for (const Sample& sample : next_)
+      if (const Side side = side_by_neighbours(sample); side != unknown) decided_.emplace_back(sample, side);
+    for (const auto& [sample, side] : decided_) {
+      const Place at = place_of(sample);
+      const std::size_t number = tiles_.number(at.tile);
+      const std::uint64_t bit = std::uint64_t{1} << at.within % 64;
+      undecided_[number][at.within / 64] &= ~bit;
+      if (side == outside) flood_.parts_[number][at.within / 64] |= bit;
+    }
+  }
+
+  // Takes the undecided neighbours of the samples decided last into the next round.
+  void find_next() {
+    next_.clear();
+    for (const auto& [sample, side] : decided_)
+      for (const Face face : kFaces) {
+        const Sample to = neighbour(sample, face);
+        if (is_in_lattice(to, face.axis) && is_undecided(place_of(to))) next_.push_back(to);
+      }
+    std::ranges::sort(next_);
+    next_.erase(std::unique(next_.begin(), next_.end()), next_.end());
+  }
+
+  // Inside wins where the widest ways lead to both sides.
+  Side side_by_neighbours(const Sample& sample) const {
     std::array<int, 6> width;
     std::array<Side, 6> side;
     for (std::size_t n = 0; n < 6; ++n) {
       const Face face = kFaces[n];
-      Sample to = sample;
-      to[face.axis] += face.up ? 1 : -1;
+      const Sample to = neighbour(sample, face);
       width[n] = -1;
       side[n] = unknown;
       if (!is_in_lattice(to, face.axis)) continue;
       const Place lower = place_of(face.up ? sample : to);
-      if (bit_of(crossed.of_tile(lower.tile).crossed[face.axis], lower)) continue;
-      width[n] = rims.of(lower.tile, face.axis, lower.within);
+      if (bit_of(crossed_.of_tile(lower.tile).crossed[face.axis], lower)) continue;
+      width[n] = rims_.of(lower.tile, face.axis, lower.within);
       side[n] = side_of(place_of(to));
     }
     const int widest = std::ranges::max(width);
@@ -192,31 +185,57 @@ void Flood::settle(const GridEdges& crossed, const RimDistances& rims, ProgressM
       best = width[n];
     }
     return found;
-  };
-
-  std::vector<std::pair<Sample, Side>> decided;
-  while (!next.empty()) {
-    progress.check();
-    decided.clear();
-    for (const Sample& sample : next)
-      if (const Side side = side_by_neighbours(sample); side != unknown) decided.emplace_back(sample, side);
-    next.clear();
-    for (const auto& [sample, side] : decided) {
-      const Place at = place_of(sample);
-      const std::size_t number = edges_.tiles().number(at.tile);
-      const std::uint64_t bit = std::uint64_t{1} << at.within % 64;
-      open[number][at.within / 64] &= ~bit;
-      if (side == outside) parts_[number][at.within / 64] |= bit;
-    }
-    for (const auto& [sample, side] : decided)
-      for (const Face face : kFaces) {
-        Sample to = sample;
-        to[face.axis] += face.up ? 1 : -1;
-        if (is_in_lattice(to, face.axis) && is_open(place_of(to))) next.push_back(to);
-      }
-    std::ranges::sort(next);
-    next.erase(std::unique(next.begin(), next.end()), next.end());
   }
+
+  Side side_of(const Place& at) const {
+    if (is_undecided(at)) return unknown;
+    return bit_of(flood_.reached(at.tile), at) ? outside : inside;
+  }
+  bool is_undecided(const Place& at) const {
+    return tiles_.has(at.tile) && bit_of(undecided_[tiles_.number(at.tile)], at);
+  }
+  bool is_in_lattice(const Sample& s, std::size_t axis) const {
+    return s[axis] >= 0 && s[axis] < lattice_.axes[axis].size();
+  }
+  Place place_of(const Sample& s) const {
+    return {lattice_.index(s[0] / 8, s[1] / 8, s[2] / 8),
+            static_cast<std::size_t>(s[0] % 8 + 8 * (s[1] % 8 + 8 * (s[2] % 8)))};
+  }
+  static bool bit_of(const TileBits& bits, const Place& at) {
+    return (bits[at.within / 64] >> at.within % 64 & 1) != 0;
+  }
+  static Sample neighbour(Sample sample, Face face) {
+    sample[face.axis] += face.up ? 1 : -1;
+    return sample;
+  }
+
+  Flood& flood_;
+  const TileLattice& lattice_;
+  const TileSet& tiles_;  // with edges that no path takes
+  const GridEdges& crossed_;
+  const RimDistances& rims_;
+  std::vector<TileBits> undecided_;  // by number in tiles_
+  std::vector<Sample> next_;         // the samples of the next round
+  std::vector<std::pair<Sample, Side>> decided_;
+};
+
+Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
+    : lattice_(TileLattice::around(grid, bounds(mesh))),
+      edges_(mesh, lattice_, progress),
+      whole_tiles_(lattice_.tile_count()) {
+  const std::vector<RimEdge> rims = is_closed(mesh).unoriented ? std::vector<RimEdge>() : rim_edges_of(mesh, progress);
+  if (rims.empty()) {
+    parts_.resize(edges_.tiles().count());
+    flood(progress);
+  } else {
+    const double half = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / 2;
+    const RimDistances distances(rims, lattice_, kCertainly * half, progress);
+    const GridEdges crossed = std::exchange(edges_, GridEdges(edges_, distances, kHalf, lattice_));
+    parts_.resize(edges_.tiles().count());
+    flood(progress);
+    Settling(*this, crossed, distances).run(progress);
+  }
+  inside_samples_ = count_inside(grid.size);
 }
 
 TileBits Flood::reached(std::size_t tile) const {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sign/flood/grid_edges.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 
@@ -17,8 +17,8 @@ namespace standoff {
 ///
 /// Gaps narrower than the grid's smallest spacing count as walls: a path keeps half a spacing from the mesh's rims,
 /// which are the edges with an odd number of triangles. Samples so near to rims that no path leads there are decided
-/// afterwards, by the samples around them (settle). A mesh without rims has no gaps.
-class Flood final : public Sides {
+/// afterwards, by the samples around them (Settling). A mesh without rims has no gaps.
+class Flood final : public SampleSigns {
  public:
   /// Requires a valid mesh and grid. Runs on the threads of the calling TBB arena. Takes 2.5 bits for each tile, and
   /// 256 bytes for each tile with a crossed edge; if the mesh has rims, also the memory of rim_edges_of(), and 4 KiB
@@ -35,10 +35,10 @@ class Flood final : public Sides {
 
  private:
   using Sample = std::array<std::int64_t, 3>;  // of the lattice
+  class Settling;
 
   void flood(ProgressMeter& progress);
   void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
-  void settle(const GridEdges& crossed, const RimDistances& rims, ProgressMeter& progress);
   TileBits apart(const GridEdges& edges, std::size_t tile) const;
   TileBits reached(std::size_t tile) const;
   TileBits inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const;  // of the grid

@@ -69,4 +69,17 @@ class GridEdges {
   std::vector<TileEdges> edges_;  // by number in tiles_
 };
 
+/// Calls use(face, neighbour) for the tiles next to a tile.
+template <class Use>
+void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use& use) {
+  const std::array<std::int64_t, 3> at = lattice.tile_at(tile),
+                                    tiles{lattice.tiles.x, lattice.tiles.y, lattice.tiles.z};
+  for (const Face face : kFaces) {
+    std::array<std::int64_t, 3> other = at;
+    other[face.axis] += face.up ? 1 : -1;
+    if (other[face.axis] < 0 || other[face.axis] == tiles[face.axis]) continue;
+    use(face, lattice.index(other[0], other[1], other[2]));
+  }
+}
+
 }  // namespace standoff

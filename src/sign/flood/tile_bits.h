@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 

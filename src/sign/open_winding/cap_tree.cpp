@@ -32,7 +32,7 @@ void finish(Moments& caps) {
   for (std::size_t n = 0; n < 3; ++n) caps.skew[n] -= third;
   const Skew& s = caps.skew;
   caps.area_norm = length(caps.area);
-  // The singular values of a 3x3 matrix sum up to at most sqrt(3) times its Frobenius norm.
+  // The singular values of a 3x3 matrix add up to at most sqrt(3) times its Frobenius norm.
   caps.skew_norm =
       std::sqrt(3 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])));
 }

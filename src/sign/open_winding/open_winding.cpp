@@ -11,7 +11,7 @@
 
 #include "core/progress.h"
 #include "core/tile_count.h"
-#include "sign/open_winding/tile_sides.h"
+#include "sign/open_winding/tile_signs.h"
 
 namespace standoff {
 
@@ -119,7 +119,7 @@ class RowOfTiles {
         rows_(rows),
         check_(progress, kLooks),
         stack_(mesh.tree, check_),
-        tile_sides_(mesh, stack_) {}
+        tile_signs_(mesh, stack_) {}
 
   // Returns the number of doubtful samples.
   std::int64_t decide() {
@@ -146,7 +146,7 @@ class RowOfTiles {
         decide({tiles.begin, middle}, near, far);
         decide({middle, tiles.end}, near, far);
       } else {
-        doubtful_ += tile_sides_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near, far,
+        doubtful_ += tile_signs_.decide(box, windings_, open_tiles_.contains(tiles.begin, ty_, tz_), near, far,
                                         rows_.tile(tiles.begin));
       }
     }
@@ -188,7 +188,7 @@ class RowOfTiles {
   InsideRows& rows_;
   WorkCheck check_;
   NodeStack stack_;
-  TileSides tile_sides_;
+  TileSigns tile_signs_;
   std::int64_t doubtful_ = 0;
 };
 

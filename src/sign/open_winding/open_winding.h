@@ -11,7 +11,7 @@
 #include "sign/open_winding/cap_tree.h"
 #include "sign/oriented_mesh.h"
 #include "sign/rows/row_crossings.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/grid.h"
 #include "standoff/sign.h"
 
@@ -38,7 +38,7 @@ class OpenTiles {
 /// Inside is where the generalised winding number w is above 1/2 (WindingRule::positive), above 1/2 in magnitude
 /// (nonzero), or nearest to an odd number (odd). An interval that certainly contains w decides each sample, or w
 /// itself: within 1e-9 of a threshold, or on the boundary, a rounded w decides.
-class OpenWinding final : public Sides {
+class OpenWinding final : public SampleSigns {
  public:
   /// Requires the boundary of the mesh; if it is empty, the mesh is closed. Mesh and progress must stay where they are.
   /// Runs on the threads of the calling TBB arena. Throws Error{interrupted}, and so does fill().

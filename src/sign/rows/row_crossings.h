@@ -11,7 +11,7 @@
 #include "core/progress.h"
 #include "sign/oriented_mesh.h"
 #include "sign/rows/row_scan.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/grid.h"
 #include "standoff/sign.h"
 
@@ -82,7 +82,7 @@ class RowCrossings {
 };
 
 /// The sides of a closed mesh: its winding number is an integer, the sum of the crossings of a row.
-class IntegerWinding final : public Sides {
+class IntegerWinding final : public SampleSigns {
  public:
   /// Requires a mesh that is closed in the orientation given, or, for WindingRule::odd, an even number of triangles at
   /// each edge. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.

@@ -8,7 +8,7 @@
 
 #include "core/tile_count.h"
 #include "sign/rows/ray_crossing.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 namespace {

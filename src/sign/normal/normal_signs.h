@@ -10,7 +10,7 @@
 #include "sign/normal/nearest_triangles.h"
 #include "sign/normal/pseudonormals.h"
 #include "sign/oriented_mesh.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 namespace standoff {
 
@@ -26,11 +26,11 @@ namespace standoff {
 /// 3. In regions of tiles that no side came to, one tile looks for the closest triangle of its first sample.
 /// In a closed mesh that does not intersect itself all samples of a region are on one side, so there all sides are
 /// exact. Samples on the surface that no side comes to are outside.
-class NormalSides final : public Sides {
+class NormalSigns final : public SampleSigns {
  public:
   /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
   /// calling TBB arena. Throws Error{interrupted}.
-  NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+  NormalSigns(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
               ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;

@@ -2,7 +2,7 @@
 // Which samples are inside, against integers: all coordinates are integers, so which side of a plane a sample is on is
 // known exactly. Samples lie on corners, edges and planes of triangles, and next to them by less than double resolves
 // in a determinant.
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "sign/open_winding/cap_tree.h"
 #include "sign/rows/row_crossings.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/sign.h"
 
 namespace standoff {
@@ -59,9 +59,9 @@ struct OpenMesh {
   const QuickAngles& quick;
 };
 
-class TileSides {
+class TileSigns {
  public:
-  TileSides(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack) {}
+  TileSigns(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack) {}
 
   /// Marks the samples of a tile's part within the grid. `smooth`: no triangle of the mesh touches the tile. `far` is
   /// the field of all caps that are not in `nodes`. Returns the number of doubtful samples.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the Sides of a planned sign.
+// Makes the SampleSigns of a planned sign.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include "core/progress.h"
 #include "sign/normal/nearest_triangles.h"
 #include "sign/plan.h"
-#include "sign/sides.h"
+#include "sign/signs.h"
 #include "standoff/grid.h"
 
 namespace standoff {
@@ -26,7 +26,7 @@ struct UnsignedField {
 /// The method of the plan for the field's samples; nothing if there is no inside after all. Reports in the plan what
 /// the grid shows. Requires plan.has_sign(), and not SignMethod::shell (Shell). The mesh and the plan must stay where
 /// they are. Throws Error{interrupted, doubt}.
-std::unique_ptr<Sides> make_sides(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
-                                  ProgressMeter& progress);
+std::unique_ptr<SampleSigns> make_signs(MeshView mesh, SignPlan& plan, const SignOptions& options,
+                                        const UnsignedField& field, ProgressMeter& progress);
 
 }  // namespace standoff

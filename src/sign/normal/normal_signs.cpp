@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sign/normal/normal_sides.h"
+#include "sign/normal/normal_signs.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -23,19 +23,6 @@ GridEdges edges_of(MeshView mesh, const TileLattice& lattice, bool needed, Progr
   return needed ? GridEdges(mesh, lattice, progress) : GridEdges(lattice);
 }
 
-// Calls use(face, neighbour) for the tiles next to a tile.
-template <class Use>
-void for_each_neighbour(const TileLattice& lattice, std::size_t tile, const Use& use) {
-  const std::array<std::int64_t, 3> at = lattice.tile_at(tile),
-                                    tiles{lattice.tiles.x, lattice.tiles.y, lattice.tiles.z};
-  for (const Face face : kFaces) {
-    std::array<std::int64_t, 3> other = at;
-    other[face.axis] += face.up ? 1 : -1;
-    if (other[face.axis] < 0 || other[face.axis] == tiles[face.axis]) continue;
-    use(face, lattice.index(other[0], other[1], other[2]));
-  }
-}
-
 Vec3 position_of(const Grid& grid, const std::array<std::int64_t, 3>& tile, std::size_t n) {
   const auto s = static_cast<std::int64_t>(n);
   return grid.position(kTileSide * tile[0] + s % 8, kTileSide * tile[1] + s / 8 % 8, kTileSide * tile[2] + s / 64);
@@ -52,7 +39,7 @@ std::size_t first_of(const TileBits& bits) {
 
 }  // namespace
 
-NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
+NormalSigns::NormalSigns(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
                          ProgressMeter& progress)
     : lattice_(TileLattice::of(grid)),
       edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
@@ -71,7 +58,7 @@ NormalSides::NormalSides(const OrientedMesh& mesh, const Grid& grid, double thic
   decide_rest(mesh.mesh, normals, closest, grid, progress);
 }
 
-void NormalSides::find_tiles(const NearestTriangles& nearest) {
+void NormalSigns::find_tiles(const NearestTriangles& nearest) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lattice_.tile_count(), 64), [&](const auto& range) {
     for (std::size_t tile = range.begin(); tile != range.end(); ++tile) {
       const auto [tx, ty, tz] = lattice_.tile_at(tile);
@@ -84,7 +71,7 @@ void NormalSides::find_tiles(const NearestTriangles& nearest) {
   parts_.resize(mixed_.count());
 }
 
-void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+void NormalSigns::decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
                               ProgressMeter& progress) {
   std::vector<std::size_t> tiles;
   tiles.reserve(mixed_.count());
@@ -104,7 +91,7 @@ void NormalSides::decide_band(const Pseudonormals& normals, const Grid& grid, co
 }
 
 // Each step depends on the sides before it alone, not on the order of the tiles.
-void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress) {
+void NormalSigns::spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress) {
   std::vector<std::size_t> next;
   std::vector<Decided> found;
   while (!changed.empty()) {
@@ -130,7 +117,7 @@ void NormalSides::spread(const Grid& grid, std::vector<std::size_t> changed, Pro
 }
 
 // Skips samples with a nearest triangle and no side: they are on the surface.
-void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
+void NormalSigns::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
                                        std::optional<ClosestTriangle>& closest, const Grid& grid,
                                        const NearestTriangles& nearest, ProgressMeter& progress) {
   std::vector<std::size_t> tiles;
@@ -161,7 +148,7 @@ void NormalSides::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
 
 // Decides regions of whole tiles that surfaces between layers of tiles separate from all others. They are few, because
 // each is large.
-void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+void NormalSigns::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
                               const Grid& grid, ProgressMeter& progress) {
   if (mesh.triangles.empty()) return;
   for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
@@ -176,23 +163,23 @@ void NormalSides::decide_rest(MeshView mesh, const Pseudonormals& normals, std::
   }
 }
 
-TileBits NormalSides::without_side(const Grid& grid, std::size_t tile) const {
+TileBits NormalSigns::without_side(const Grid& grid, std::size_t tile) const {
   const Decided there = decided(tile);
   return bits_in_grid(grid.size, lattice_.tile_at(tile)) & ~(there.outside | there.inside);
 }
 
-void NormalSides::Decided::add(Pseudonormals::Place place, std::size_t n) {
+void NormalSigns::Decided::add(Pseudonormals::Place place, std::size_t n) {
   if (place == Pseudonormals::Place::front) add_bit(outside, n);
   if (place == Pseudonormals::Place::back) add_bit(inside, n);
 }
 
-NormalSides::Decided NormalSides::decided(std::size_t tile) const {
+NormalSigns::Decided NormalSigns::decided(std::size_t tile) const {
   if (mixed_.has(tile)) return parts_[mixed_.number(tile)];
   if (!is_decided_[tile]) return {};
   return is_inside_[tile] ? Decided{{}, kAllBits} : Decided{kAllBits, {}};
 }
 
-void NormalSides::set(std::size_t tile, const Decided& decided) {
+void NormalSigns::set(std::size_t tile, const Decided& decided) {
   if (mixed_.has(tile)) {
     parts_[mixed_.number(tile)] = decided;
     return;
@@ -201,7 +188,7 @@ void NormalSides::set(std::size_t tile, const Decided& decided) {
   is_inside_[tile] = any(decided.inside);
 }
 
-NormalSides::Decided NormalSides::after_step(std::size_t tile, const TileBits& in_grid) const {
+NormalSigns::Decided NormalSigns::after_step(std::size_t tile, const TileBits& in_grid) const {
   Decided all = decided(tile);
   const TileBits free = in_grid & ~(all.outside | all.inside);
   if (!any(free)) return all;
@@ -228,7 +215,7 @@ NormalSides::Decided NormalSides::after_step(std::size_t tile, const TileBits& i
 }
 
 // Spreads sides from sample to sample within a tile.
-NormalSides::Decided NormalSides::spread_within(Decided decided, const TileEdges& edges,
+NormalSigns::Decided NormalSigns::spread_within(Decided decided, const TileEdges& edges,
                                                 const TileBits& in_grid) const {
   while (true) {
     const TileBits free = in_grid & ~(decided.outside | decided.inside);
@@ -240,7 +227,7 @@ NormalSides::Decided NormalSides::spread_within(Decided decided, const TileEdges
   }
 }
 
-void NormalSides::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
+void NormalSigns::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
     const TileBits inside = decided(lattice_.index(tx, ty, tz)).inside;
     if (any(inside)) mark(rows, tx, inside & bits_in_grid(rows.size(), {tx, ty, tz}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sign/sides.h"
+#include "sign/signs.h"
 
 #include <array>
 #include <cstring>

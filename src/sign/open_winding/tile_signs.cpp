@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sign/open_winding/tile_sides.h"
+#include "sign/open_winding/tile_signs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ Rim rim_of(const OpenMesh& mesh, std::int32_t node) { return mesh.rims[static_ca
 
 }  // namespace
 
-std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
+std::int64_t TileSigns::decide(const SampleBox& tile, const RowWindings& windings, bool smooth, NodeStack::Part nodes,
                                const LinearField& far, std::span<std::uint8_t, InsideRows::kRows> inside) {
   tile_ = tile;
   smooth_ = smooth;
@@ -59,7 +59,7 @@ std::int64_t TileSides::decide(const SampleBox& tile, const RowWindings& winding
   return doubtful_;
 }
 
-void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance) {
+void TileSigns::visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance) {
   if (!has_more_undecided_than(0, box)) return;
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
@@ -86,7 +86,7 @@ void TileSides::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   stack_.resize(size);
 }
 
-void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance) {
+void TileSigns::split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance) {
   const std::int64_t longest =
       std::max({box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]});
   if (longest <= 2) return decide_one_by_one(box, nodes, far);
@@ -103,7 +103,7 @@ void TileSides::split(const SampleBox& box, NodeStack::Part nodes, const LinearF
 
 // Decides by the fields of near caps too. Moves caps whose field is good enough in the cell from `near` to `far`.
 // Returns false if most of the error is due to far caps: then the samples left need their fields more precisely.
-bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
+bool TileSigns::decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
                                  double tolerance) {
   stack_.count(near.end - near.begin);
   // Put the caps first that may touch the cell.
@@ -141,7 +141,7 @@ bool TileSides::decide_by_fields(const SampleBox& box, const Cell& cell, NodeSta
 
 // Corrects the field of a cell that caps touch and the mesh does not, so that it becomes the winding number of the open
 // mesh. It is wrong by an integer only, which the winding number of one sample tells.
-void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
+void TileSigns::continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                                      LinearField& field) const {
   const std::int64_t i = (box.begin[0] + box.end[0]) / 2, j = (box.begin[1] + box.end[1]) / 2,
                      k = (box.begin[2] + box.end[2]) / 2;
@@ -151,7 +151,7 @@ void TileSides::continue_across_caps(const SampleBox& box, NodeStack::Part nodes
   field.value += std::nearbyint(winding - field.at(p));
 }
 
-void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
+void TileSigns::decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings) {
   decide_by_winding(box, field.value, field.reach(cell.half) + kWindingRounding, with_windings);
   for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
@@ -161,7 +161,7 @@ void TileSides::decide_by_field(const SampleBox& box, const Cell& cell, const Li
 }
 
 // Decides samples of equal integer windings together, if the rest stays within `reach` of `value` in the whole box.
-void TileSides::decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings) {
+void TileSigns::decide_by_winding(const SampleBox& box, double value, double reach, bool with_windings) {
   if (!(reach < 0.5 - kDoubt)) return;
   std::int32_t last = 0;
   bool sure = false, inside = false;
@@ -187,7 +187,7 @@ void TileSides::decide_by_winding(const SampleBox& box, double value, double rea
     }
 }
 
-void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
+void TileSigns::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
   for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
     const double winding = windings_[kTileSide * row + x];
@@ -208,7 +208,7 @@ void TileSides::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, c
 }
 
 // Decides a sample if the interval is on one side of the threshold, and narrow enough to tell whether it is doubtful.
-bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, double error) {
+bool TileSigns::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
   if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;
   doubtful_ += distance < kDoubt;
@@ -218,7 +218,7 @@ bool TileSides::decide_sample(std::size_t row, unsigned x, double winding, doubl
   return true;
 }
 
-bool TileSides::has_more_undecided_than(int few, const SampleBox& box) const {
+bool TileSigns::has_more_undecided_than(int few, const SampleBox& box) const {
   int count = 0;
   for (std::int64_t k = box.begin[2]; k < box.end[2]; ++k)
     for (std::int64_t j = box.begin[1]; j < box.end[1]; ++j)

@@ -121,12 +121,12 @@ class InsideRows {
 };
 
 /// A method that decides a sign: for each row of tiles it says which samples are inside.
-class Sides {
+class SampleSigns {
  public:
-  Sides() = default;
-  Sides(const Sides&) = delete;
-  Sides& operator=(const Sides&) = delete;
-  virtual ~Sides() = default;
+  SampleSigns() = default;
+  SampleSigns(const SampleSigns&) = delete;
+  SampleSigns& operator=(const SampleSigns&) = delete;
+  virtual ~SampleSigns() = default;
 
   /// One thread calls it before fill(), with the number of a row of tiles, ty + tiles_y * tz: first 0, then the number
   /// that it returned last. It prepares the rows of tiles from `first` to before the number that it returns, and fill()
