@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sides of any mesh by a flood: a point is outside if a path from far away reaches it without passing through a
+// The signs in any mesh by a flood: a point is outside if a path from far away reaches it without passing through a
 // triangle.
 #pragma once
 

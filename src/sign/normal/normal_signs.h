@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sides of an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
+// The signs in an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
 #pragma once
 
 #include <optional>

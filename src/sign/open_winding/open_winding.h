@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sides of an open mesh: its generalised winding number decides (docs/open_winding.md).
+// The signs in an open mesh: its generalised winding number decides (docs/open_winding.md).
 #pragma once
 
 #include <atomic>

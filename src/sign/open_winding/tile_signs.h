@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sides of one tile's samples where caps are near, or the winding number is near a threshold.
+// The signs of one tile's samples where caps are near, or the winding number is near a threshold.
 #pragma once
 
 #include <array>

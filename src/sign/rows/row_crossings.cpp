@@ -31,7 +31,39 @@ RowCrossing crossing_of(const FoundCrossing& found) {
   return RowCrossing::make(found.row() % kTileRows, static_cast<std::int64_t>(found.past()), found.enters() ? 1 : -1);
 }
 
-// Sorts the crossings of a row of tiles: few, and in some meshes many.
+// Sorts crossings by `count` rows of tiles: row of tiles n gets crossings[begin[n]] to crossings[begin[n + 1] - 1].
+// Counts the crossings of each part of the lists, then gives each part its own places.
+void sort_by_tiles(PerThread<CrossingList>& lists, std::size_t count, std::vector<std::size_t>& begin,
+                   std::vector<RowCrossing>& crossings) {
+  std::vector<std::vector<const CrossingList*>> parts;
+  const std::int64_t most_parts = std::max<std::int64_t>(1, kMostCounters / static_cast<std::int64_t>(count));
+  std::size_t lists_seen = 0;
+  lists.for_each([&](const CrossingList& list) {
+    if (std::ssize(parts) < most_parts) parts.emplace_back();
+    parts[lists_seen++ % parts.size()].push_back(&list);
+  });
+  const auto for_each_found = [&](std::size_t part, const auto& use) {
+    for (const CrossingList* list : parts[part])
+      list->for_each_block([&](std::span<const FoundCrossing> block) {
+        for (const FoundCrossing& one : block) use(one.row() / kTileRows, one);
+      });
+  };
+  std::vector<std::vector<std::size_t>> next(parts.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    next[part].resize(count);
+    for_each_found(part, [&](std::size_t tiles, const FoundCrossing&) { ++next[part][tiles]; });
+  });
+  begin.resize(count + 1);
+  if (!parts.empty())
+    begin[count] = places_from_counts(next, count, [&](std::size_t tiles, std::size_t place) { begin[tiles] = place; });
+  crossings.resize(begin[count]);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    for_each_found(
+        part, [&](std::size_t tiles, const FoundCrossing& one) { crossings[next[part][tiles]++] = crossing_of(one); });
+  });
+}
+
+// Sorts the crossings of one row of tiles: few, and in some meshes many.
 void sort(std::span<RowCrossing> crossings) {
   constexpr std::size_t kMost = 2048;
   if (crossings.size() < 2) return;
@@ -107,34 +139,7 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   });
   if (budget.is_spent()) return false;
 
-  // Sort by row of tiles: count the crossings of each part, then give each its own places.
-  std::vector<std::vector<const CrossingList*>> parts;
-  const std::int64_t most_parts = std::max<std::int64_t>(1, kMostCounters / static_cast<std::int64_t>(count));
-  std::size_t lists_seen = 0;
-  lists.for_each([&](const CrossingList& list) {
-    if (std::ssize(parts) < most_parts) parts.emplace_back();
-    parts[lists_seen++ % parts.size()].push_back(&list);
-  });
-  const auto for_each_found = [&](std::size_t part, const auto& use) {
-    for (const CrossingList* list : parts[part])
-      list->for_each_block([&](std::span<const FoundCrossing> block) {
-        for (const FoundCrossing& one : block) use(one.row() / kTileRows, one);
-      });
-  };
-  std::vector<std::vector<std::size_t>> next(parts.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-    next[part].resize(count);
-    for_each_found(part, [&](std::size_t tiles, const FoundCrossing&) { ++next[part][tiles]; });
-  });
-  begin_.resize(count + 1);
-  if (!parts.empty())
-    begin_[count] =
-        places_from_counts(next, count, [&](std::size_t tiles, std::size_t place) { begin_[tiles] = place; });
-  crossings_.resize(begin_[count]);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-    for_each_found(
-        part, [&](std::size_t tiles, const FoundCrossing& one) { crossings_[next[part][tiles]++] = crossing_of(one); });
-  });
+  sort_by_tiles(lists, count, begin_, crossings_);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
       if (n % 64 == 0 || begin_[n + 1] - begin_[n] > kMany) progress_->check();

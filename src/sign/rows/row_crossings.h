@@ -81,7 +81,7 @@ class RowCrossings {
   std::vector<RowCrossing> crossings_;
 };
 
-/// The sides of a closed mesh: its winding number is an integer, the sum of the crossings of a row.
+/// The signs in a closed mesh: its winding number is an integer, the sum of the crossings of a row.
 class IntegerWinding final : public SampleSigns {
  public:
   /// Requires a mesh that is closed in the orientation given, or, for WindingRule::odd, an even number of triangles at
