@@ -14,8 +14,8 @@
 #include "core/threads.h"
 #include "field/skip.h"
 #include "geometry/triangle_frame.h"
+#include "points/device.h"
 #include "points/nearest.h"
-#include "points/nearest_on_device.h"
 #include "points/query_data.h"
 #include "sign/open_winding/cap_tree.h"
 #include "sign/outer/outer.h"
@@ -118,8 +118,8 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   }
   Threads(execution.threads).run([&] {
     FoundTriangles found;
-    for (std::size_t first = 0; first < points.size(); first += kMostPoints) {
-      const std::span<const Vec3> part = points.subspan(first, std::min(kMostPoints, points.size() - first));
+    for (std::size_t first = 0; first < points.size(); first += kMostPointsAtOnce) {
+      const std::span<const Vec3> part = points.subspan(first, std::min(kMostPointsAtOnce, points.size() - first));
       if (device)
         find_nearest_on_device(*device, execution.device, data.device_tree(), index, part, found, progress);
       else

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <optional>
 
-#include "points/device_tree.h"
-#include "points/sides_of_points.h"
+#include "points/device.h"
+#include "points/point_sign.h"
 #include "points/triangle_index.h"
 #include "sign/plan.h"
 #include "standoff/points.h"

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "points/known_windings.h"
-#include "points/ray_winding.h"
+#include "points/point_sign.h"
 #include "points/triangle_index.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"

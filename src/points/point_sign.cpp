@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "points/point_sign.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "points/open_point_sign.h"
+#include "sign/normal/pseudonormals.h"
+#include "sign/rows/row_crossings.h"
+#include "sign/rows/ray_crossing.h"
+#include "standoff/error.h"
+
+namespace standoff {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+std::array<double, 3> numbers_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+// In turned coordinates. Points are displaced most along y, whatever it is called there.
+inline RayTriangle triangle_along(const std::array<Vec3, 3>& t, int axis) {
+  return RayTriangle({turned(t[0], axis), turned(t[1], axis), turned(t[2], axis)}, (4 - axis) % 3);
+}
+
+}  // namespace
+
+RayWinding::RayWinding(const OrientedMesh& mesh, const TriangleIndex& index) : mesh_(mesh), index_(index) {
+  const FloatBox all = index.bvh().box();
+  low_ = {all.low[0], all.low[1], all.low[2]};
+  high_ = {all.high[0], all.high[1], all.high[2]};
+}
+
+// Of the points only what lies in the box around all is looked at: there they are near enough for boxes in float, which
+// are grown by what rounding takes.
+template <class Use>
+void RayWinding::for_each_between(int axis, const Vec3& local, double from, double to, const cpu::PointKernels& kernels,
+                                  const Use& use) const {
+  const std::array<double, 3> at = numbers_of(local), least = numbers_of(low_), most = numbers_of(high_);
+  FloatBox way;
+  for (int n = 0; n < 3; ++n) {
+    const auto axis_of = static_cast<std::size_t>(n);
+    const double first = std::max(n == axis ? from : at[axis_of], least[axis_of]),
+                 last = std::min(n == axis ? to : at[axis_of], most[axis_of]);
+    if (!(first <= last)) return;
+    way.low[n] = static_cast<float>(first);
+    way.high[n] = static_cast<float>(last);
+  }
+  for_each_overlap(index_.bvh(), way, kernels.overlapping, [&](std::uint32_t place) {
+    const std::uint32_t triangle = index_.bvh().order()[place];
+    if (const int times = mesh_.use_of(triangle)) use(triangle_along(mesh_.mesh.corners(triangle), axis), times);
+  });
+}
+
+RayWay RayWinding::shortest(Vec3 point) const {
+  const Vec3 local = index_.local(point);
+  const std::array<double, 3> down = numbers_of(local - low_), up = numbers_of(high_ - local);
+  RayWay best{0, false};
+  double length = down[0];
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool is_up : {false, true}) {
+      const double own = (is_up ? up : down)[static_cast<std::size_t>(axis)];
+      if (own < length) length = own, best = {axis, is_up};
+    }
+  return best;
+}
+
+std::int32_t RayWinding::at(Vec3 point, RayWay way, const cpu::PointKernels& kernels) const {
+  const Vec3 local = index_.local(point), own = turned(point, way.axis);
+  const double start = turned(local, way.axis).x;
+  std::int32_t winding = 0;
+  for_each_between(way.axis, local, way.up ? start : -kInfinite, way.up ? kInfinite : start, kernels,
+                   [&](const RayTriangle& triangle, int times) {
+                     const int crossing = triangle.crossing(own.y, own.z);
+                     if (crossing != 0 && triangle.is_past(own, crossing) != way.up)
+                       winding += way.up ? times * crossing : -times * crossing;
+                   });
+  return winding;
+}
+
+std::int32_t RayWinding::beyond(int axis, double other, Vec3 point, const cpu::PointKernels& kernels) const {
+  const Vec3 local = index_.local(point), own = turned(point, axis), end{other, own.y, own.z};
+  const double own_at = turned(local, axis).x;
+  // Back in its own coordinates: turned by the rest of the circle.
+  const double end_at = turned(index_.local(turned(end, (3 - axis) % 3)), axis).x;
+  std::int32_t winding = 0;
+  for_each_between(axis, local, std::min(own_at, end_at), std::max(own_at, end_at), kernels,
+                   [&](const RayTriangle& triangle, int times) {
+                     const int crossing = triangle.crossing(own.y, own.z);
+                     if (crossing == 0) return;
+                     winding -= times * crossing *
+                                (int{triangle.is_past(own, crossing)} - int{triangle.is_past(end, crossing)});
+                   });
+  return winding;
+}
+
+namespace {
+
+// Whether a length whose square is given is less than another.
+bool is_less(double sq, double than) { return than > 0 && sq < than * than * (1 - 1e-12); }
+
+}  // namespace
+void KnownWindings::add(const Known& one) { known_[count_++ % known_.size()] = one; }
+
+const KnownWindings::Known* KnownWindings::overlapping(const Known& own) const {
+  for (const Known& other : all()) {
+    const Vec3 between = own.at - other.at;
+    if (is_less(dot(between, between), own.radius + other.radius)) return &other;
+  }
+  return nullptr;
+}
+
+KnownWindings::OnRow KnownWindings::nearest_on_rows(const Vec3& at) const {
+  OnRow nearest{};
+  double length = std::numeric_limits<double>::infinity();
+  for (const Known& other : all())
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 off = turned(other.at - at, axis);
+      if (std::abs(off.x) < length && is_less(off.y * off.y + off.z * off.z, other.radius))
+        nearest = {&other, axis}, length = std::abs(off.x);
+    }
+  return nearest;
+}
+
+std::int32_t KnownWindings::by_rows(const Vec3& at) const {
+  const Known& nearest =
+      *std::ranges::min_element(all(), {}, [&](const Known& other) { return max_norm(other.at - at); });
+  const Vec3 &there = nearest.at, along_y{there.x, at.y, at.z}, along_z{there.x, there.y, at.z};
+  return nearest.winding + rays_.beyond(0, there.x, at, kernels_) + rays_.beyond(1, there.y, along_y, kernels_) +
+         rays_.beyond(2, there.z, along_z, kernels_);
+}
+
+namespace {
+
+// The winding number of a closed mesh does not change where no triangle is. So points whose empty balls overlap have
+// the same number. Of the other points, most have a ball of a point before on one of their rows: a segment up to there
+// says by how much their numbers differ. Only the rest sends a ray.
+class ClosedSides final : public SidesOfPoints {
+ public:
+  /// `all_near`: free radii are those of all triangles. Where hidden ones do not count, sides are the same within a
+  /// ball, but numbers may differ.
+  ClosedSides(const OrientedMesh& mesh, const TriangleIndex& index, WindingRule rule, bool all_near)
+      : rays_(mesh, index), rule_(rule), all_near_(all_near) {}
+
+  void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
+              std::span<bool> inside) const override {
+    constexpr std::int64_t kRay = 32;  // about that much work, or far more
+    KnownWindings known(rays_, kernels);
+    const auto by_ray = [&](const Vec3& at) {
+      check.add(kRay);
+      return rays_.at(at, kernels);
+    };
+    for (std::size_t n = 0; n < points.size(); ++n)
+      inside[n] =
+          is_inside(known.in_ball(points[n].at, points[n].free_radius,
+                                  [&](const Vec3& at) { return all_near_ ? known.on_row(at, by_ray) : by_ray(at); }),
+                    rule_);
+  }
+  double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck&) const override {
+    return rays_.at(point, kernels);
+  }
+
+ private:
+  RayWinding rays_;
+  WindingRule rule_;
+  bool all_near_;
+};
+
+class NormalSidesOfPoints final : public SidesOfPoints {
+ public:
+  explicit NormalSidesOfPoints(const OrientedMesh& mesh)
+      : normals_(mesh), bytes_(static_cast<std::int64_t>(150 * mesh.mesh.triangles.size())) {}
+
+  void decide(std::span<const PointToSide> points, const cpu::PointKernels&, WorkCheck&,
+              std::span<bool> inside) const override {
+    for (std::size_t n = 0; n < points.size(); ++n)
+      inside[n] = normals_.place_of(points[n].at, points[n].triangle) == Pseudonormals::Place::back;
+  }
+  std::int64_t memory_bytes() const override { return bytes_; }
+
+ private:
+  Pseudonormals normals_;
+  std::int64_t bytes_;
+};
+
+}  // namespace
+
+double SidesOfPoints::winding_number(Vec3, const cpu::PointKernels&, WorkCheck&) const {
+  throw Error(ErrorCode::usage, "points: only a query whose sign method is winding knows winding numbers");
+}
+
+std::unique_ptr<SidesOfPoints> make_sides_of_points(const OrientedMesh& mesh, const TriangleIndex& index,
+                                                    const SignPlan& plan, WindingRule rule, int threads, Simd simd) {
+  switch (plan.report.method) {
+    case SignMethod::winding:
+      if (plan.boundary.edges.empty()) return std::make_unique<ClosedSides>(mesh, index, rule, plan.exposed.empty());
+      return std::make_unique<OpenSides>(mesh, index, plan.boundary, rule, threads, simd);
+    case SignMethod::parity:
+      return std::make_unique<ClosedSides>(mesh, index, WindingRule::odd, plan.exposed.empty());
+    case SignMethod::normal:
+      return std::make_unique<NormalSidesOfPoints>(mesh);
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace standoff
