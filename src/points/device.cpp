@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/progress.h"
+#include "points/nearest.h"
 #include "points/triangle_index.h"
 
 namespace standoff {

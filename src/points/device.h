@@ -7,14 +7,15 @@
 #include <vector>
 
 #include "gpu/devices.h"
-#include "points/nearest.h"
 #include "standoff/execution.h"
 #include "standoff/vec.h"
 
 namespace standoff {
 
+class ProgressMeter;
 class TriangleIndex;
 struct DeviceTree;
+struct FoundTriangles;
 
 /// The squared distance, and the lowest of the triangles that are so near.
 struct DeviceNearest {

@@ -9,8 +9,8 @@
 
 #include "points/open_point_sign.h"
 #include "sign/normal/pseudonormals.h"
-#include "sign/rows/row_crossings.h"
 #include "sign/rows/ray_crossing.h"
+#include "sign/rows/row_crossings.h"
 #include "standoff/error.h"
 
 namespace standoff {
