@@ -1,64 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart are two surfaces? Best first: the probe's bounding spheres against the target's field, nearest first;
-// a triangle whose sphere may be nearer than the best pair so far goes down the target's BVH.
+// How far apart are two surfaces?
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "collision/close_pairs.h"
 #include "collision/collide.h"
+#include "collision/node_pairs.h"
 #include "core/guarded.h"
+#include "core/threads.h"
 #include "geometry/triangle_pair.h"
 
 namespace standoff {
 namespace collision {
 namespace {
 
-// The best of the bounds s - |x - x_i| from the eight samples around x: of the fine field, or of the coarse one where
-// the fine one is clamped. The sample behind x, seen from the surface, loses little, whereas the nearest one loses up
-// to sqrt(3)/2 spacings; each look costs as much as all sixteen lanes of the kernel, so it is for spheres that are left
-// over.
-float bound_from_eight(const FieldView& f, const float* x) {
-  const auto best_of = [x, &f](float spacing, float per_spacing, const float* last, auto value) {
-    std::int32_t cell[3];
-    float at[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      at[axis] = (x[axis] - f.origin[axis]) * per_spacing;
-      if (!(at[axis] >= 0 && at[axis] < last[axis])) return -kInfinity;
-      cell[axis] = static_cast<std::int32_t>(at[axis]);
-    }
-    float best = -kInfinity;
-    for (int corner = 0; corner < 8; ++corner) {
-      const std::int32_t i = cell[0] + (corner & 1), j = cell[1] + (corner >> 1 & 1), k = cell[2] + (corner >> 2);
-      const float u = at[0] - static_cast<float>(i), v = at[1] - static_cast<float>(j),
-                  w = at[2] - static_cast<float>(k);
-      best = std::max(best, value(i, j, k) - spacing * std::sqrt(u * u + v * v + w * w));
-    }
-    return best;
-  };
-  bool clamped = false;
-  const float fine = best_of(f.spacing, f.per_spacing, f.last, [&](std::int32_t i, std::int32_t j, std::int32_t k) {
-    const std::uint8_t sample = fine_sample(f, tile_of(f, i, j, k), index_in_tile(i, j, k));
-    clamped = clamped || sample == kClampedSample;
-    return static_cast<float>(sample) * f.step;
-  });
-  if (!clamped) return fine;
-  return std::max(fine, best_of(f.coarse_spacing, f.per_coarse_spacing, f.coarse_last,
-                                [&](std::int32_t i, std::int32_t j, std::int32_t k) {
-                                  return f.coarse[coarse_index(f, i, j, k)];
-                                }));
-}
+// Pairs measured before it is tried to prove that none is nearer, which looks at all corners of both bodies.
+constexpr std::int64_t kWorthAProof = 4096;
 
+// Both hierarchies are descended together, the pair of nodes that may be nearest first.
 class DistanceSearch {
  public:
   DistanceSearch(const QueryPair& pair, double tolerance, double limit)
-      : pair_(pair), kernels_(pair.kernels), tolerance_(tolerance), best_(limit), batch_(pair) {
+      : pair_(pair), nodes_(pair), tolerance_(tolerance), best_(limit), batch_(pair) {
     lower_reach();
   }
 
   void run() {
     if (pair_.root_gap() > reach_) return;
-    visit(pair_.probe.body->bvh.top(), 0);
+    std::array<NodePair, kLanes> children;
+    // Find some near pair at once: most of what the queue would hold is then farther. The second descent knows the
+    // direction that the first one found.
+    for (int n = 0; n < kDescents; ++n) descend(children);
+    if (found_) prove_by_boxes();
+    double proof_tried_at = best_;
+    queue_->clear();
+    push(nodes_.root());
+    while (!queue_->empty() && !is_settled_) {
+      const NodePair next = pop();
+      if (next.distance_sq > reach_sq_) return measure();
+      if (next.is_leaf()) {
+        look_at(next);
+        if (best_ < proof_tried_at) {
+          proof_tried_at = best_;
+          prove_by_boxes();
+        }
+        continue;
+      }
+      const int count = nodes_.open(next, reach_sq_, children);
+      for (int n = 0; n < count; ++n) push(children[static_cast<std::size_t>(n)]);
+    }
+    measure();
   }
 
   double best() const { return best_; }
@@ -67,58 +61,94 @@ class DistanceSearch {
   std::uint32_t of_target = 0, of_probe = 0;  ///< indices in the BVHs' orders
 
  private:
+  static constexpr int kDescents = 2;
+
   // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.
   void lower_reach() {
-    reach_ = static_cast<float>(std::min((best_ - tolerance_) * (1 + 1e-6), kMaxMargin)) + pair_.slack;
-    reach_sq_ = reach_ < 0 ? -1 : reach_ * reach_ * kRoundUp;
+    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
+    wanted_ = std::min((best_ - tolerance_) * (1 + kFarShare), kMaxMargin);
+    reach_ = static_cast<float>(wanted_ + kNodePairSlack * radii + pair_.pose_slack);
+    reach_sq_ = squared(reach_);
+  }
+  static float squared(float reach) { return reach < 0 ? -1 : reach * reach * (kRoundUp * kRoundUp); }
+
+  void descend(std::array<NodePair, kLanes>& children) {
+    NodePair at = nodes_.root();
+    while (!at.is_leaf()) {
+      const int count = nodes_.open(at, reach_sq_, children);
+      if (count == 0) return;
+      at = *std::ranges::min_element(children.begin(), children.begin() + count, {}, &NodePair::distance_sq);
+    }
+    look_at(at);
+    measure();
   }
 
-  void visit(int level, std::uint32_t packet) {
-    alignas(64) float gap[kLanes];
-    const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
-    kernels_.gaps(pair_.target.body->view, pair_.transform, spheres, reach_, gap);
-    int lanes[kLanes];
-    const int count = lanes_within(gap, reach_, lanes);
-    for (int n = 0; n < count && gap[lanes[n]] <= reach_; ++n) {
-      if (found_ && level <= 1 && closer_look(spheres, lanes[n]) > reach_) continue;
-      const std::uint32_t child = packet * kLanes + lanes[n];
-      if (level > 0) {
-        visit(level - 1, child);
-      } else {
-        descend(pair_.target.body->bvh.top(), 0, child, pair_.box_of(child));
+  static bool is_farther(const NodePair& a, const NodePair& b) { return a.distance_sq > b.distance_sq; }
+  void push(const NodePair& pair) {
+    queue_->push_back(pair);
+    std::ranges::push_heap(*queue_, is_farther);
+  }
+  NodePair pop() {
+    std::ranges::pop_heap(*queue_, is_farther);
+    const NodePair next = queue_->back();
+    queue_->pop_back();
+    return next;
+  }
+
+  // Of two leaves, the triangles that are near along the best pair's axes and along those of the target's leaf.
+  void look_at(const NodePair& leaves) {
+    const BodyBvh &target = pair_.target.body->bvh, &probe = pair_.probe.body->bvh;
+    const Obb first = target.box_of(0, leaves.target), second = probe.box_of(0, leaves.probe);
+    const auto center_of = [](const Obb& box) { return Vec3{box.center[0], box.center[1], box.center[2]}; };
+    const auto radius_of = [](const Obb& box) { return length(Vec3{box.half[0], box.half[1], box.half[2]}); };
+    const Vec3 offset = apply(pair_.relative, center_of(second)) - center_of(first);
+    const LeafAxes axes[2] = {leaf_axes(found_ ? best_axes_ : axes_about(offset), offset),
+                              leaf_axes({axis_of(first, 0), axis_of(first, 1), axis_of(first, 2)}, offset)};
+    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
+    const double slack = kCornerSlack * radii + kLeafSlack * (radius_of(first) + radius_of(second)) + pair_.pose_slack;
+    const auto most_sq = [&] { return std::min(squared(static_cast<float>(wanted_ + slack)), reach_sq_); };
+    LeafPair near[kLanes * kLanes];
+    const auto count_of = [](const BodyBvh& bvh, std::uint32_t leaf) {
+      return static_cast<int>(std::min<std::uint32_t>(kLanes, bvh.tree.triangles() - leaf * kLanes));
+    };
+    const int count = pair_.kernels.near_triangles(target.triangles[leaves.target], first.center,
+                                                   count_of(target, leaves.target), probe.triangles[leaves.probe],
+                                                   second.center, count_of(probe, leaves.probe), axes, most_sq(), near);
+    // The nearest few first: what they leave of the others is little.
+    const auto nearer = [](const LeafPair& a, const LeafPair& b) { return a.distance_sq < b.distance_sq; };
+    LeafPair *next = near, *past = near + count;
+    while (past - next > kPairs) {
+      std::nth_element(next, next + kPairs, past, nearer);
+      next = measure(leaves, next, next + kPairs);
+      past = std::remove_if(next, past, [&](const LeafPair& pair) { return pair.distance_sq > most_sq(); });
+    }
+    measure(leaves, next, past);
+    if (measured_ > kWorthAProof && found_) prove();
+  }
+
+  // Returns where it ended. While nothing is found every pair counts; later the reach may lag behind a little.
+  LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
+    for (; next != past; ++next, ++measured_) {
+      batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
+      if (batch_.full()) measure();
+    }
+    if (!found_) measure();
+    return past;
+  }
+
+  static Vec3 axis_of(const Obb& box, int k) { return {box.axis[k][0], box.axis[k][1], box.axis[k][2]}; }
+
+  LeafAxes leaf_axes(const std::array<Vec3, 3>& axes, const Vec3& offset) const {
+    LeafAxes both;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 in_probe = rotate_back(pair_.relative, axes[k]);
+      both.offset[k] = static_cast<float>(dot(axes[k], offset));
+      for (int j = 0; j < 3; ++j) {
+        both.first[k][j] = static_cast<float>(axes[k][j]);
+        both.second[k][j] = static_cast<float>(in_probe[j]);
       }
     }
-    if (level == 0) measure();
-  }
-
-  float closer_look(const Sphere16& spheres, int lane) const {
-    float x[3];
-    for (int axis = 0; axis < 3; ++axis)
-      x[axis] =
-          transformed(pair_.transform, axis, spheres.center[0][lane], spheres.center[1][lane], spheres.center[2][lane]);
-    return bound_from_eight(pair_.target.body->view, x) - spheres.radius[lane];
-  }
-
-  void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {
-    alignas(64) float distance_sq[kLanes];
-    kernels_.distances_sq(pair_.target.body->bvh.boxes(level)[node], box, distance_sq);
-    int lanes[kLanes], count = 0;
-    for (int n = 0; n < kLanes; ++n)
-      if (distance_sq[n] <= reach_sq_) lanes[count++] = n;
-    std::sort(lanes, lanes + count, [&](int a, int b) { return distance_sq[a] < distance_sq[b]; });
-    for (int n = 0; n < count && distance_sq[lanes[n]] <= reach_sq_; ++n) {
-      const std::uint32_t child = node * kLanes + lanes[n];
-      if (level > 0)
-        descend(level - 1, child, probe_index, box);
-      else
-        add(child, probe_index);
-    }
-  }
-
-  // While nothing is found every pair counts; later the reach may lag behind a little.
-  void add(std::uint32_t target_index, std::uint32_t probe_index) {
-    batch_.add(target_index, probe_index);
-    if (batch_.full() || !found_) measure();
+    return both;
   }
 
   void measure() {
@@ -131,16 +161,72 @@ class DistanceSearch {
           of_target = target_index, of_probe = probe_index;
           found_ = nearer = true;
         });
-    if (nearer) lower_reach();
+    if (!nearer) return;
+    lower_reach();
+    best_axes_ = axes_about(rotate_back(pair_.frame, on_probe - on_target));
+    nodes_.set_axes(best_axes_);
+  }
+
+  // Many pairs may be equally near, such as those of two plates: no bound in single precision drops them. But where a
+  // plane keeps the bodies as far apart as the best pair is, no pair is nearer.
+  void prove() {
+    measure();
+    measured_ = 0;
+    if (best_ == proof_tried_at_) return;
+    proof_tried_at_ = best_;
+    const Vec3 direction = axes_about(on_probe - on_target)[0];
+    is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+  }
+
+  // The same by the boxes of both bodies alone, which costs nothing. The normals of the two triangles are tried too:
+  // where the closest points are near each other, their difference says little about the direction.
+  void prove_by_boxes() {
+    const Vec3 between = on_probe - on_target;
+    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
+    for (const Vec3& along :
+         {between, normal_of(pair_.target.world(of_target)), normal_of(pair_.probe.world(of_probe))}) {
+      const Vec3 direction = axes_about(dot(along, between) < 0 ? -along : along)[0];
+      is_settled_ =
+          is_settled_ || is_proof(reach_of_box(pair_.probe, -direction), reach_of_box(pair_.target, direction));
+    }
+  }
+
+  // Whether bodies that reach so far towards each other, along a direction from the closest point on the target, leave
+  // a gap in which no pair is nearer than the best one.
+  bool is_proof(double reach_of_probe, double reach_of_target) const {
+    const double extent = best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius);
+    return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent;
+  }
+  double reach_along(const PlacedModel& body, const Vec3& direction, const Vec3& corner) const {
+    return dot(direction, (body.moved ? apply(body.pose, corner) : corner) - on_target);
+  }
+  double reach_of_box(const PlacedModel& body, const Vec3& direction) const {
+    const Box& box = body.body->box;
+    double most = -std::numeric_limits<double>::infinity();
+    for (int n = 0; n < 8; ++n) {
+      const Vec3 corner{(n & 1 ? box.max : box.min).x, (n & 2 ? box.max : box.min).y, (n & 4 ? box.max : box.min).z};
+      most = std::max(most, reach_along(body, direction, corner));
+    }
+    return most;
+  }
+  double reach_of_corners(const PlacedModel& body, const Vec3& direction) const {
+    double most = -std::numeric_limits<double>::infinity();
+    for (const Corners& corners : body.body->corners)
+      for (const Vec3& corner : corners) most = std::max(most, reach_along(body, direction, corner));
+    return most;
   }
 
   const QueryPair& pair_;
-  const Kernels& kernels_;
+  NodePairs nodes_;
   const double tolerance_;
-  double best_;
+  double best_, wanted_ = 0;
   float reach_ = 0, reach_sq_ = 0;
-  bool found_ = false;
+  bool found_ = false, is_settled_ = false;
+  std::array<Vec3, 3> best_axes_;  // in the target's frame
+  std::int64_t measured_ = 0;      // pairs, since a proof was tried
+  double proof_tried_at_ = -1;
   PairBatch batch_;
+  const KeptByThread<std::vector<NodePair>> queue_;
 };
 
 DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,

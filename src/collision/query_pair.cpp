@@ -59,8 +59,8 @@ QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const Collisio
   const double reach = target.body->radius + 2 * probe.body->radius + target.body->field.thickness();
   far = max_norm(f.translation) + max_norm(t.translation) + max_norm(target.body->middle) +
         max_norm(probe.body->middle) + target.body->radius + probe.body->radius;
-  slack =
-      static_cast<float>((kSinglePrecisionSlack + 4 * (off + rigid_error(t))) * reach + kDoublePrecisionSlack * far);
+  pose_slack = 4 * (off + rigid_error(t)) * reach + kDoublePrecisionSlack * far;
+  slack = static_cast<float>(kSinglePrecisionSlack * reach + pose_slack);
 }
 
 double QueryPair::root_gap() const {

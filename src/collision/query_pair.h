@@ -64,6 +64,9 @@ struct QueryPair {
   double far;
   /// How much bounds in single precision, in the target's frame, may be wrong about the world: docs/collision.md.
   float slack;
+  /// What of it does not come from single precision: poses that are rigid only nearly, and the double precision of the
+  /// world.
+  double pose_slack;
   /// The inner loops that answer the query.
   const Kernels& kernels;
 

@@ -23,6 +23,22 @@ static_assert(kSinglePrecisionSlack > 2 * gamma_float(14));
 /// The same in double precision, relative to coordinates in the world: some 40 operations of 2^-53 (1.1e-16).
 inline constexpr double kDoublePrecisionSlack = 1e-14;
 static_assert(kDoublePrecisionSlack > gamma_double(40));
+/// What the bounds of pairs of oriented boxes may be off by, relative to the radii of both bodies: along an axis 44
+/// roundings of them, along three perpendicular ones the root of three times that. Smaller: a nearer pair may be
+/// missed. Larger: more nodes are opened.
+inline constexpr double kNodePairSlack = 5e-6;
+static_assert(kNodePairSlack > 1.7320509 * gamma_float(44));
+/// The same for triangles of two leaves: relative to the radii of both bodies, for corners that were rounded, and to
+/// those of both leaves, for their projections.
+inline constexpr double kCornerSlack = 2e-7, kLeafSlack = 1.1e-6;
+static_assert(kCornerSlack > 3 * gamma_float(1) && kLeafSlack > 1.7320509 * gamma_float(10));
+/// And relative to the distance that is compared with: 9 roundings along an axis.
+inline constexpr double kFarShare = 2e-6;
+static_assert(kFarShare > 1.7320509 * gamma_float(9));
+/// What the gap between two bodies along a direction may be off by, in double precision, relative to the extent of what
+/// is projected.
+inline constexpr double kGapRounding = 8 * kRoundoffDouble;
+
 /// Rotations whose rows are off by less than this are taken as they are: kDoublePrecisionSlack covers it. Others
 /// are made orthonormal first.
 inline constexpr double kOrthonormal = 4e-15;

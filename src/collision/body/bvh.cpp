@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the BVH of a body: the order of its triangles, and the spheres of each level.
+// Builds the BVH of a body: the order of its triangles, and the spheres and oriented boxes of each level.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "bvh/order.h"
 #include "collision/body/model.h"
 #include "geometry/rounding.h"
+#include "geometry/symmetric3.h"
 
 namespace standoff::collision {
 namespace {
@@ -25,6 +27,95 @@ struct FloatPoint {
 FloatPoint to_float(Vec3 corner, Vec3 middle) {
   const Vec3 c = corner - middle;
   return {{static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)}};
+}
+
+// What corners and center lose when they are rounded, and what axes that are perpendicular only to rounding misplace,
+// as a share of the largest coordinate: a box's half extents are so much larger. Smaller: corners stick out, and a
+// nearer pair of triangles may be missed. Larger: more pairs of nodes are opened.
+constexpr double kObbError = 4e-7;
+static_assert(kObbError > gamma_float(6));
+// The principal axes are taken if the box along the coordinate axes is larger than theirs by this factor: parts that
+// are aligned anyway have the tighter box then, and flat ones are compared without rounding.
+constexpr double kWorthTurning = 1.05;
+
+struct Extents {
+  double low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
+
+  double side(int axis) const { return high[axis] - low[axis]; }
+  // The smallest side times the largest face: how far the box reaches out of a patch, weighted by the patch.
+  double measure() const {
+    const double x = side(0), y = side(1), z = side(2);
+    return std::min({x, y, z}) * std::max({x * y, x * z, y * z});
+  }
+};
+
+Extents extents_along(std::span<const FloatPoint> points, const float (&axis)[3][3]) {
+  Extents found;
+  for (const FloatPoint& p : points)
+    for (int k = 0; k < 3; ++k) {
+      const double at = double{axis[k][0]} * p.x[0] + double{axis[k][1]} * p.x[1] + double{axis[k][2]} * p.x[2];
+      found.low[k] = std::min(found.low[k], at);
+      found.high[k] = std::max(found.high[k], at);
+    }
+  return found;
+}
+
+// The eigenvectors of the covariance of the triangles' areas.
+void principal_axes(std::span<const FloatPoint> corners, float (&axis)[3][3]) {
+  double weight = 0, mean[3] = {}, square[3][3] = {};
+  const Vec3 origin{corners[0].x[0], corners[0].x[1], corners[0].x[2]};
+  for (std::size_t n = 0; n < corners.size(); n += 3) {
+    Vec3 c[4];
+    for (std::size_t k = 0; k < 3; ++k) {
+      c[k] = Vec3{corners[n + k].x[0], corners[n + k].x[1], corners[n + k].x[2]} - origin;
+      c[3] = c[3] + c[k];
+    }
+    const double area = length(cross(c[1] - c[0], c[2] - c[0]));
+    weight += area;
+    // The integral of x_i x_j over a triangle: its corners' sum c[3] is thrice its centroid.
+    for (int i = 0; i < 3; ++i) {
+      mean[i] += area * c[3][i] / 3;
+      for (int j = 0; j < 3; ++j)
+        square[i][j] += area / 12 * (c[3][i] * c[3][j] + c[0][i] * c[0][j] + c[1][i] * c[1][j] + c[2][i] * c[2][j]);
+    }
+  }
+  Matrix3 covariance{}, vectors{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      covariance[i][j] = weight > 0 ? square[i][j] / weight - mean[i] / weight * (mean[j] / weight) : 0;
+  diagonalise(covariance, vectors);
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t j = 0; j < 3; ++j) axis[k][j] = static_cast<float>(vectors[j][k]);
+}
+
+Obb oriented_box(std::span<const FloatPoint> corners) {
+  Obb box{{}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
+  Extents extents = extents_along(corners, box.axis);
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(extents.low[k]), std::abs(extents.high[k])});
+  float axis[3][3];
+  principal_axes(corners, axis);
+  if (const Extents turned = extents_along(corners, axis); extents.measure() > kWorthTurning * turned.measure()) {
+    extents = turned;
+    std::copy_n(&axis[0][0], 9, &box.axis[0][0]);
+  }
+  for (int j = 0; j < 3; ++j) {
+    double center = 0;
+    for (int k = 0; k < 3; ++k) center += box.axis[k][j] * ((extents.low[k] + extents.high[k]) / 2);
+    box.center[j] = static_cast<float>(center);
+    box.half[j] = static_cast<float>(extents.side(j) / 2 + kObbError * largest);
+  }
+  return box;
+}
+
+// The boxes of all nodes of a level, each of which holds `size` triangles.
+HugePageVector<Obb16> oriented_boxes(std::span<const FloatPoint> corners, std::size_t size, std::size_t nodes) {
+  HugePageVector<Obb16> boxes((nodes + kLanes - 1) / kLanes);
+  tbb::parallel_for(std::size_t{0}, nodes, [&](std::size_t n) {
+    const std::size_t first = 3 * size * n, count = std::min(3 * size, corners.size() - first);
+    boxes[n / kLanes].set(static_cast<int>(n % kLanes), oriented_box(corners.subspan(first, count)));
+  });
+  return boxes;
 }
 
 }  // namespace
@@ -45,6 +136,7 @@ BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middl
   });
   // Boxes that are not grown: they hold the same float coordinates as the triangles.
   bvh.tree = Bvh(mesh, std::move(order), {middle}, progress);
+  bvh.oriented.emplace_back();
   std::int64_t size = 1;  // the triangles of a child
   for (int level = 0; level <= bvh.top(); ++level, size *= kLanes) {
     progress.check();
@@ -68,6 +160,7 @@ BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middl
       }
       sphere.radius[lane] = begin == end ? radius : std::sqrt(radius) * kSphereRoundUp;
     });
+    bvh.oriented.push_back(oriented_boxes(corners, static_cast<std::size_t>(size) * kLanes, boxes.size()));
   }
   return bvh;
 }

@@ -119,6 +119,32 @@ struct alignas(64) Sphere16 {
   float radius[kLanes];  ///< minus infinity: no sphere
 };
 
+/// An oriented box: all points center + sum of t_k axis[k] with |t_k| <= half[k]. Its axes are perpendicular unit
+/// vectors but for the rounding to single precision, which `half` allows for.
+struct Obb {
+  float center[3], axis[3][3], half[3];
+};
+
+/// Sixteen of them: center and half by coordinate and axis, axes by number and coordinate; then lane.
+struct alignas(64) Obb16 {
+  float center[3][kLanes], axis[3][3][kLanes], half[3][kLanes];
+
+  Obb lane(int n) const {
+    Obb box;
+    for (int k = 0; k < 3; ++k) {
+      box.center[k] = center[k][n], box.half[k] = half[k][n];
+      for (int j = 0; j < 3; ++j) box.axis[k][j] = axis[k][j][n];
+    }
+    return box;
+  }
+  void set(int n, const Obb& box) {
+    for (int k = 0; k < 3; ++k) {
+      center[k][n] = box.center[k], half[k][n] = box.half[k];
+      for (int j = 0; j < 3; ++j) axis[k][j][n] = box.axis[k][j];
+    }
+  }
+};
+
 /// Triangles: corner, axis, lane.
 struct alignas(64) Triangle16 {
   float corner[3][3][kLanes];
@@ -155,6 +181,18 @@ inline void fetch(const T& what) {
   for (std::size_t line = 0; line < sizeof(T); line += 64)
     __builtin_prefetch(reinterpret_cast<const char*>(&what) + line);
 }
+
+/// Three perpendicular unit vectors in the frames of two bodies, and how far the center of a leaf of the second one is
+/// from that of a leaf of the first one along each.
+struct LeafAxes {
+  float first[3][3], second[3][3], offset[3];
+};
+
+/// A triangle of one leaf and one of another, and what their squared distance is at least.
+struct LeafPair {
+  float distance_sq;
+  std::uint8_t first, second;
+};
 
 /// Some of sixteen triangles, and their boxes.
 struct TriangleSubset {

@@ -105,6 +105,7 @@ std::int64_t ModelData::memory_bytes() const {
                     bytes(field.coarse) + bytes(field.inside) + bytes(field.coarse_inside) + bytes(corners) +
                     bytes(components) + bytes(bvh.triangles);
   for (const auto& level : bvh.spheres) sum += bytes(level);
+  for (const auto& level : bvh.oriented) sum += bytes(level);
   return static_cast<std::int64_t>(sum) + bvh.tree.bytes();
 }
 

@@ -55,11 +55,17 @@ struct FieldBounds {
 struct BodyBvh {
   Bvh tree;
   std::vector<HugePageVector<Sphere16>> spheres;  ///< by level: around the children of each of its nodes
+  /// By level, from 1 on: oriented boxes around the children of each node; the last level holds the root's alone.
+  std::vector<HugePageVector<Obb16>> oriented;
   HugePageVector<Triangle16> triangles;  ///< of each node of the lowest level; lanes left over repeat the last triangle
 
   const std::vector<std::uint32_t>& order() const { return tree.order(); }
   const Boxes16* boxes(int level) const { return tree.level(level).data(); }
   int top() const { return tree.top_level(); }
+  /// The oriented box of node `number` of a level.
+  Obb box_of(int level, std::uint32_t number) const {
+    return oriented[static_cast<std::size_t>(level) + 1][number / kLanes].lane(static_cast<int>(number % kLanes));
+  }
 };
 
 struct ModelData {

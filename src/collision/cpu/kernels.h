@@ -21,6 +21,15 @@ struct Kernels {
   std::uint32_t (*overlapping)(const Boxes16&, const FloatBox& box);
   /// Squared distances between the boxes and `box`.
   void (*distances_sq)(const Boxes16&, const FloatBox& box, float* distance_sq);
+  /// Squared distances between oriented boxes and `box`, in one frame, at least: by their projections onto the axes of
+  /// both, onto the line of centers, and, where given, onto three more perpendicular unit vectors.
+  void (*obb_distances_sq)(const Obb16&, const Obb& box, const float (*axes)[3], float* distance_sq);
+  /// Pairs of a triangle of a leaf and one of another whose projections onto both sets of axes are no farther apart
+  /// than the root of most_sq. Of each leaf the center that the axes' offsets lead from and to, and the number of its
+  /// triangles. Returns how many pairs there are.
+  int (*near_triangles)(const Triangle16& first, const float (&center)[3], int count, const Triangle16& second,
+                        const float (&second_center)[3], int second_count, const LeafAxes (&axes)[2], float most_sq,
+                        LeafPair* pairs);
   /// Transforms 16 triangles into another frame, and their boxes grown by `by`; `all` becomes the box around those.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,
                               Boxes16& boxes, FloatBox& all);

@@ -3,6 +3,8 @@
 // doubles, at a time. Nothing is fused, so all sets round alike. The table at the end names them for kernels.cpp.
 #pragma once
 
+#include <limits>
+
 #include "bvh/overlapping.inl"
 #include "collision/body/kernel_data.h"
 #include "collision/cpu/kernels.h"
@@ -51,6 +53,115 @@ void distances_sq(const Boxes16& boxes, const FloatBox& box, float* distance_sq)
   const WidePoint zero{WideFloat(0), WideFloat(0), WideFloat(0)};
   const WidePoint gap = max(max(low - same_points(box.high), same_points(box.low) - high), zero);
   (gap.x * gap.x + gap.y * gap.y + gap.z * gap.z).store(distance_sq);
+}
+
+// Sixteen oriented boxes against one, and two leaves of sixteen triangles against each other: how far apart two sets of
+// points are at least, by the gaps of their projections onto perpendicular vectors.
+
+STANDOFF_INLINE WidePoint load_axis(const Obb16& boxes, int axis) { return load_points(boxes.axis[axis]); }
+
+STANDOFF_INLINE WideFloat along(const WidePoint& p, const float (&axis)[3]) {
+  return p.x * WideFloat(axis[0]) + p.y * WideFloat(axis[1]) + p.z * WideFloat(axis[2]);
+}
+
+STANDOFF_INLINE WideFloat squared_gap(const WideFloat& distance, const WideFloat& reach) {
+  const WideFloat gap = max(distance - reach, WideFloat(0));
+  return gap * gap;
+}
+
+void obb_distances_sq(const Obb16& boxes, const Obb& box, const float (*axes)[3], float* distance_sq) {
+  const WidePoint offset = same_points(box.center) - load_points(boxes.center);
+  const WideFloat half[3] = {WideFloat::load(boxes.half[0]), WideFloat::load(boxes.half[1]),
+                             WideFloat::load(boxes.half[2])};
+  WidePoint axis[3];
+  WideFloat cosine[3][3];  // of the angle between two axes, their magnitudes
+  for (int k = 0; k < 3; ++k) {
+    axis[k] = load_axis(boxes, k);
+    for (int j = 0; j < 3; ++j) cosine[k][j] = abs(along(axis[k], box.axis[j]));
+  }
+  WideFloat of_theirs(0), of_box(0), reach(0);
+  for (int k = 0; k < 3; ++k) {
+    const WideFloat at = abs(plain_dot(offset, axis[k]));
+    WideFloat own = half[k];
+    for (int j = 0; j < 3; ++j) own = own + cosine[k][j] * WideFloat(box.half[j]);
+    of_theirs = of_theirs + squared_gap(at, own);
+    reach = reach + half[k] * at;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const WideFloat at = abs(along(offset, box.axis[k]));
+    WideFloat own(box.half[k]);
+    for (int j = 0; j < 3; ++j) own = own + cosine[j][k] * half[j];
+    of_box = of_box + squared_gap(at, own);
+    reach = reach + WideFloat(box.half[k]) * at;
+  }
+  // Along the line of centers, times its length. The order of operations keeps the fourth power of a length out.
+  const WideFloat length_sq = plain_dot(offset, offset), gap = max(length_sq - reach, WideFloat(0));
+  const WideFloat of_line = gap / max(length_sq, WideFloat(std::numeric_limits<float>::min())) * gap;
+  WideFloat best = max(max(of_theirs, of_box), of_line);
+  if (axes) {
+    WideFloat of_axes(0);
+    for (int k = 0; k < 3; ++k) {
+      float own_of_box = 0;
+      for (int j = 0; j < 3; ++j)
+        own_of_box += box.half[j] * standoff::abs(box.axis[j][0] * axes[k][0] + box.axis[j][1] * axes[k][1] +
+                                                  box.axis[j][2] * axes[k][2]);
+      WideFloat own(own_of_box);
+      for (int j = 0; j < 3; ++j) own = own + half[j] * abs(along(axis[j], axes[k]));
+      of_axes = of_axes + squared_gap(abs(along(offset, axes[k])), own);
+    }
+    best = max(best, of_axes);
+  }
+  best.store(distance_sq);
+}
+
+struct Projections {
+  WideFloat low, high;
+};
+STANDOFF_INLINE Projections projections(const WidePoint (&corner)[3], const float (&axis)[3]) {
+  const WideFloat at[3] = {along(corner[0], axis), along(corner[1], axis), along(corner[2], axis)};
+  return {min(at[0], min(at[1], at[2])), max(at[0], max(at[1], at[2]))};
+}
+
+int near_triangles(const Triangle16& first, const float (&center)[3], int count, const Triangle16& second,
+                   const float (&second_center)[3], int second_count, const LeafAxes (&axes)[2], float most_sq,
+                   LeafPair* pairs) {
+  WidePoint mine[3], theirs[3];
+  for (int k = 0; k < 3; ++k) {
+    mine[k] = load_points(first.corner[k]) - same_points(center);
+    theirs[k] = load_points(second.corner[k]) - same_points(second_center);
+  }
+  alignas(64) float low[2][3][kLanes], high[2][3][kLanes];
+  Projections other[2][3];
+  for (int set = 0; set < 2; ++set)
+    for (int k = 0; k < 3; ++k) {
+      const Projections own = projections(mine, axes[set].first[k]);
+      own.low.store(low[set][k]);
+      own.high.store(high[set][k]);
+      const Projections moved = projections(theirs, axes[set].second[k]);
+      other[set][k] = {moved.low + WideFloat(axes[set].offset[k]), moved.high + WideFloat(axes[set].offset[k])};
+    }
+  const std::uint32_t lanes = (1u << second_count) - 1;
+  int found = 0;
+  for (int n = 0; n < count; ++n) {
+    WideFloat best(0);
+    for (int set = 0; set < 2; ++set) {
+      WideFloat sum(0);
+      for (int k = 0; k < 3; ++k)
+        sum = sum + squared_gap(max(WideFloat(low[set][k][n]) - other[set][k].high,
+                                    other[set][k].low - WideFloat(high[set][k][n])),
+                                WideFloat(0));
+      best = max(best, sum);
+    }
+    std::uint32_t near = less_equal(best, WideFloat(most_sq)).to_bits() & lanes;
+    if (near == 0) continue;
+    alignas(64) float distance_sq[kLanes];
+    best.store(distance_sq);
+    for (; near != 0; near &= near - 1) {
+      const int lane = __builtin_ctz(near);
+      pairs[found++] = {distance_sq[lane], static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(lane)};
+    }
+  }
+  return found;
 }
 
 // Pairs of triangles that may be near each other: by their boxes, and by two separating axes.
@@ -228,6 +339,8 @@ const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
                        .gaps_at = gaps_at,
                        .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
                        .distances_sq = distances_sq,
+                       .obb_distances_sq = obb_distances_sq,
+                       .near_triangles = near_triangles,
                        .transform_triangles = transform_triangles,
                        .close_pairs = close_pairs,
                        .overlap_pairs = overlap_pairs,

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pairs of BVH nodes, one of each body of a query, and how far apart they are at least, by their oriented boxes. An
+// oriented box of a smooth patch is thin: its bound is off by the square of the patch's size over the radius of
+// curvature, where those of spheres and of boxes along fixed axes are off by its size.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "collision/query_pair.h"
+#include "core/threads.h"
+
+namespace standoff::collision {
+
+/// Nodes by level and number; those of level 0 are leaves, of up to sixteen triangles.
+struct NodePair {
+  float distance_sq;  ///< at least
+  std::uint32_t target, probe;
+  std::int8_t target_level, probe_level;
+
+  bool is_leaf() const { return target_level == 0 && probe_level == 0; }
+};
+
+/// Three perpendicular unit vectors, the first of which has the direction of v; any if that is zero.
+inline std::array<Vec3, 3> axes_about(const Vec3& v) {
+  const double size = length(v);
+  const Vec3 first = size > 0 ? v * (1 / size) : Vec3{1, 0, 0};
+  const double x = std::abs(first.x), y = std::abs(first.y), z = std::abs(first.z);
+  const Vec3 other = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  const Vec3 across = cross(first, other), second = across * (1 / length(across));
+  return {first, second, cross(first, second)};
+}
+
+/// A probe whose radius is so many times less than the target's is small. Measured on flies in labyrinths and on scans:
+/// between 4 and 30 it makes no difference.
+inline constexpr double kSmallProbe = 8;
+
+class NodePairs {
+ public:
+  explicit NodePairs(const QueryPair& pair)
+      : pair_(pair),
+        target_(pair.target.body->bvh),
+        probe_(pair.probe.body->bvh),
+        probe_is_small_(kSmallProbe * pair.probe.body->radius < pair.target.body->radius) {}
+
+  NodePair root() const {
+    return {0, 0, 0, static_cast<std::int8_t>(target_.top()), static_cast<std::int8_t>(probe_.top())};
+  }
+
+  /// From now on boxes are compared along these vectors too, which are in the target's frame.
+  void set_axes(const std::array<Vec3, 3>& axes) {
+    has_axes_ = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 of_probe = rotate_back(pair_.relative, axes[k]);
+      for (int j = 0; j < 3; ++j) {
+        target_axes_[k][j] = static_cast<float>(axes[k][j]);
+        probe_axes_[k][j] = static_cast<float>(of_probe[j]);
+      }
+    }
+  }
+
+  /// Opens the larger node of a pair that is no leaf: the pairs with its children whose bound is at most most_sq, in
+  /// the order of the children. Returns how many. A bound is never less than the opened pair's.
+  int open(const NodePair& nodes, float most_sq, std::array<NodePair, kLanes>& children) const {
+    const Obb of_target = target_.box_of(nodes.target_level, nodes.target),
+              of_probe = probe_.box_of(nodes.probe_level, nodes.probe);
+    const bool opens_target =
+        nodes.probe_level == 0 || (nodes.target_level > 0 && size_sq(of_target) >= size_sq(of_probe));
+    const BodyBvh& bvh = opens_target ? target_ : probe_;
+    const int level = opens_target ? nodes.target_level : nodes.probe_level;
+    const std::uint32_t number = opens_target ? nodes.target : nodes.probe;
+    const Obb other = opens_target ? in_target(of_probe) : in_probe(of_target);
+    const float(*const axes)[3] = !has_axes_ ? nullptr : opens_target ? target_axes_ : probe_axes_;
+    alignas(64) float distance_sq[kLanes];
+    pair_.kernels.obb_distances_sq(bvh.oriented[static_cast<std::size_t>(level)][number], other, axes, distance_sq);
+    if (!opens_target && probe_is_small_) {
+      alignas(64) float gap[kLanes];
+      pair_.kernels.gaps(pair_.target.body->view, pair_.transform,
+                         probe_.spheres[static_cast<std::size_t>(level)][number], std::sqrt(most_sq), gap);
+      for (int n = 0; n < kLanes; ++n)
+        if (gap[n] > 0) distance_sq[n] = std::max(distance_sq[n], gap[n] * gap[n]);
+    }
+    const auto in_level = static_cast<std::uint32_t>(bvh.tree.level(level - 1).size());
+    const int lanes = static_cast<int>(std::min<std::uint32_t>(kLanes, in_level - number * kLanes));
+    int count = 0;
+    for (int n = 0; n < lanes; ++n) {
+      if (!(distance_sq[n] <= most_sq)) continue;
+      NodePair& child = children[static_cast<std::size_t>(count++)] = nodes;
+      child.distance_sq = std::max(distance_sq[n], nodes.distance_sq);
+      (opens_target ? child.target : child.probe) = number * kLanes + static_cast<std::uint32_t>(n);
+      --(opens_target ? child.target_level : child.probe_level);
+    }
+    return count;
+  }
+
+  /// Whether the nodes' boxes show that the bodies are farther apart than `margin`; no if that takes more than `most`
+  /// openings.
+  bool show_apart(double margin, int most) const {
+    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
+    const auto reach = static_cast<float>(margin * (1 + kFarShare) + kNodePairSlack * radii + pair_.pose_slack);
+    const float most_sq = reach * reach * (kRoundUp * kRoundUp);
+    const KeptByThread<std::vector<NodePair>> waiting;
+    waiting->assign(1, root());
+    std::array<NodePair, kLanes> children;
+    for (; !waiting->empty(); --most) {
+      const NodePair next = waiting->back();
+      if (most == 0 || next.is_leaf()) return false;
+      waiting->pop_back();
+      waiting->insert(waiting->end(), children.begin(), children.begin() + open(next, most_sq, children));
+    }
+    return true;
+  }
+
+ private:
+  Obb in_target(const Obb& box) const {
+    return placed(
+        box,
+        [&](const float* v, int axis) {
+          const float* const r = pair_.transform.rotation + 3 * axis;
+          return r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
+        },
+        pair_.transform.translation);
+  }
+
+  static float size_sq(const Obb& box) {
+    return box.half[0] * box.half[0] + box.half[1] * box.half[1] + box.half[2] * box.half[2];
+  }
+  template <class Rotate>
+  static Obb placed(const Obb& box, const Rotate& rotate, const float* translation) {
+    Obb moved;
+    for (int axis = 0; axis < 3; ++axis) {
+      moved.center[axis] = rotate(box.center, axis) + translation[axis];
+      moved.half[axis] = box.half[axis];
+      for (int k = 0; k < 3; ++k) moved.axis[k][axis] = rotate(box.axis[k], axis);
+    }
+    return moved;
+  }
+  Obb in_probe(Obb box) const {
+    for (int axis = 0; axis < 3; ++axis) box.center[axis] -= pair_.transform.translation[axis];
+    constexpr float kNowhere[3] = {};
+    return placed(
+        box,
+        [&](const float* v, int axis) {
+          const float* const r = pair_.transform.rotation + axis;
+          return r[0] * v[0] + r[3] * v[1] + r[6] * v[2];
+        },
+        kNowhere);
+  }
+
+  const QueryPair& pair_;
+  const BodyBvh &target_, &probe_;
+  // The target's field then tells more of the probe's spheres than boxes do: it knows all of the target at once.
+  const bool probe_is_small_;
+  bool has_axes_ = false;
+  float target_axes_[3][3], probe_axes_[3][3];
+};
+
+}  // namespace standoff::collision
