@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "geometry/symmetric3.h"
 #include "standoff/vec.h"
 #include "surface/cells.h"
 #include "surface/dual_cells.h"
 #include "surface/methods.h"
-#include "geometry/symmetric3.h"
 #include "surface/vertices.h"
 
 namespace standoff {
