@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is beside a field's samples, of their nearest triangles: tile by tile, by kernels for each instruction set.
+// Sidecars: makes data of a field's samples from their nearest triangles, tile by tile.
 #include "standoff/sidecars.h"
 
 #include <tbb/blocked_range.h>
@@ -27,28 +27,8 @@
 
 namespace standoff::cpu {
 
-// The kernels for each instruction set, and the choice among them.
-
-namespace portable {
-extern const SidecarKernels kSidecarKernels;
-}
-#ifdef __x86_64__
-namespace avx2 {
-extern const SidecarKernels kSidecarKernels;
-}
-namespace avx512 {
-extern const SidecarKernels kSidecarKernels;
-}
-#endif
-
 const SidecarKernels& sidecar_kernels_for(Simd simd) {
-  static const Dispatch<SidecarKernels> kernels({
-#ifdef __x86_64__
-      {Simd::avx512, &avx512::kSidecarKernels},
-      {Simd::avx2, &avx2::kSidecarKernels},
-#endif
-      {Simd::portable, &portable::kSidecarKernels},
-  });
+  static const Dispatch<SidecarKernels> kernels;
   return kernels.of(simd, "sidecars");
 }
 
@@ -95,11 +75,11 @@ void make_room(std::span<const SidecarKind> kinds, std::size_t samples, std::vec
   }
 }
 
-// What the sign says about the gradient.
+// The field's sign, as far as gradients depend on it.
 struct GradientSign {
-  bool has_negative = true;     // it points against the growing distance where the value is negative
-  bool has_sign = false;        // on the surface it is outwards
-  std::optional<SignText> how;  // if the field says
+  bool has_negative = true;     // if the value is negative, the gradient is opposite to the distance's gradient
+  bool has_sign = false;        // on the surface, the gradient points outwards
+  std::optional<SignText> how;  // how the sign was decided, if the field's provenance says so
 };
 
 GradientSign gradient_sign(const DistanceField& field) {
@@ -110,14 +90,14 @@ GradientSign gradient_sign(const DistanceField& field) {
   return sign;
 }
 
-// How the triangles are used where the sign was decided; empty: as they are.
+// The orientation of triangles that the sign was decided with; empty if it is the mesh's own.
 std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign) {
   if (!sign.how || !sign.how->oriented) return {};
   ProgressMeter unwatched;
   return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}, unwatched).use;
 }
 
-// What is made of one tile, before it goes where it belongs.
+// The sidecars of a tile, before they are copied to their places.
 struct Scratch {
   StreamedCopies copies;
   alignas(64) float closest_point[3 * kTileSamples];
@@ -153,18 +133,18 @@ class Pass {
   void set_sign(const GradientSign& sign) {
     mesh_.has_negative = sign.has_negative;
     mesh_.has_sign = sign.has_sign;
-    mesh_.turned = sign.how && sign.how->invert;
+    mesh_.is_reversed = sign.how && sign.how->invert;
   }
   void set_use(const std::vector<std::int8_t>& use) { mesh_.use = use.empty() ? nullptr : use.data(); }
 
-  /// Returns how many samples of the tile are on the surface.
+  /// Returns the number of samples of the tile that are on the surface.
   int fill(std::size_t slot, Scratch& scratch) const {
     cpu::SidecarTile tile;
     const std::size_t first = slot * kTileSamples;
     tile.values = field_.tile_values().data() + first;
     tile.nearest = field_.tile_nearest_values().data() + first;
     place(tiles_[slot], tile);
-    // They are read here and there, once the samples are sorted.
+    // Prefetch them: once the samples are sorted, they are read in no regular order.
     constexpr std::size_t kLine = 16;
     for (std::size_t n = 0; n < kTileSamples && gradient_; n += kLine) __builtin_prefetch(tile.values + n);
     tile.closest_point = cleared(closest_point_, scratch.closest_point);
@@ -181,7 +161,7 @@ class Pass {
   }
 
  private:
-  // A tile's memory of a kind that is asked for, with zeros; else null.
+  // The memory of a tile for a kind, cleared; null if the kind is not asked for.
   template <class Number, std::size_t kCount>
   static Number* cleared(const Number* wanted, Number (&memory)[kCount]) {
     if (!wanted) return nullptr;
@@ -231,7 +211,8 @@ void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& pro
       if (pass.fill(slot, scratch) > 0) on_surface.local().push_back(slot);
     progress.advance(static_cast<std::int64_t>(range.size()));
   });
-  // There the gradient is a normal, whose orientation takes a look at the whole mesh: tiles that need it are few.
+  // On the surface the gradient is a normal, whose orientation takes a pass over the whole mesh. Few tiles need it:
+  // fill these again.
   std::vector<std::size_t> again;
   on_surface.for_each(
       [&](const std::vector<std::size_t>& some) { again.insert(again.end(), some.begin(), some.end()); });

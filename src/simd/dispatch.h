@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses a feature's kernels at run time: the best this processor can run, or those of the set that was asked for.
+// Chooses the kernels of a feature at run time: the best set that this processor can run, or the set that the user asks
+// for.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +13,8 @@
 
 namespace standoff {
 
-// What the processor has, asked in one place: kernels are compiled for sets of instructions (cmake/simd.cmake), and a
-// processor that lacks one of a set's would crash in its kernels.
-
-/// Whether this processor has all that the kernels of a set are compiled with. Every one has `portable`.
+/// Whether this processor has all instructions that the kernels of a set are compiled with (cmake/simd.cmake): if it
+/// lacked one, they would crash.
 inline bool processor_has(Simd set) {
 #ifdef __x86_64__
   const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -27,18 +26,26 @@ inline bool processor_has(Simd set) {
   return set == Simd::portable;
 }
 
-/// The kernels of a feature, `Kernels` being its table of functions: one such table per instruction set. Which of them
-/// this processor can run is asked once, when the object is made.
+/// The kernels of a feature that this processor can run. `Kernels` is the feature's table of functions; its static
+/// members avx512, avx2 and portable are the tables compiled for each set.
 template <class Kernels>
 class Dispatch {
  public:
-  /// Kernels compiled for a set.
   struct Compiled {
     Simd set;
     const Kernels* kernels;
   };
 
-  /// All that were compiled, at most one per set and the best first; the last must be portable ones.
+  Dispatch()
+      : Dispatch({
+#ifdef __x86_64__
+            {Simd::avx512, &Kernels::avx512},
+            {Simd::avx2, &Kernels::avx2},
+#endif
+            {Simd::portable, &Kernels::portable},
+        }) {
+  }
+  /// The best set first, and portable kernels last.
   explicit Dispatch(std::initializer_list<Compiled> compiled) {
     for (const Compiled& row : compiled) {
       if (!processor_has(row.set)) continue;
@@ -59,7 +66,7 @@ class Dispatch {
                 std::string(where) + ": this processor lacks the instruction set asked for; use automatic");
   }
 
-  /// All that this processor can run, best first: tests compare them.
+  /// The tables of all sets that this processor can run, the best first: tests compare them.
   std::span<const Kernels* const> all() const { return {runnable_, static_cast<std::size_t>(count_)}; }
 
  private:

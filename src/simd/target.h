@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The instruction set that a file of kernels is compiled for: its wide types, under the same names for every set.
+// The instruction set that a file of kernels is compiled for, with its wide types, which have the same names in every
+// set.
 //
-// Kernels are written once, in fragments (.inl), and compiled once per set, by a kernels_<set>.cpp that says its set
-// before it includes them. Where none was said, as when a fragment is opened by itself in an editor, the set is the
-// portable one. All functions of a fragment lie in a namespace without a name within one called STANDOFF_TARGET: no
-// copy of a function compiled for one processor may serve the code for others (script/check_weak_symbols).
+// Kernels are written once, in fragments (.inl), and compiled once per set: kernels_<set>.cpp defines its set before it
+// includes them. If no set is defined, as when an editor opens a fragment alone, it is the portable one. All functions
+// of a fragment lie in an unnamed namespace within STANDOFF_TARGET, because a function compiled for one processor must
+// never serve the code for others (script/check_weak_symbols).
 #pragma once
 
 #if defined(STANDOFF_TARGET_AVX512)

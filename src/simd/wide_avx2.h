@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen floats, and eight doubles, in two AVX2 registers. Same names and same results as wide_avx512.h.
+// Sixteen floats, and eight doubles, in two AVX2 registers, with the names and results of wide_avx512.h.
 #pragma once
 
 #include <immintrin.h>
@@ -120,7 +120,7 @@ struct WideUint {
 STANDOFF_INLINE WideUint operator+(WideUint a, WideUint b) {
   return {_mm256_add_epi32(a.lo, b.lo), _mm256_add_epi32(a.hi, b.hi)};
 }
-/// 0 to 15.
+/// The numbers 0 to 15.
 STANDOFF_INLINE WideUint lane_numbers() {
   return {_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), _mm256_setr_epi32(8, 9, 10, 11, 12, 13, 14, 15)};
 }
@@ -261,7 +261,7 @@ STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   return {of_four(0), of_four(4)};
 }
 
-/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+/// Looks up eight numbers in a table of eight: the index of each is three bits, from bit kShift on, of an integer.
 template <int kShift>
 STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
   const auto four = [&](int n) __attribute__((always_inline)) {
@@ -271,7 +271,7 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
   return {four(0), four(4)};
 }
 
-/// The lanes whose bit is set.
+/// A mask of the lanes whose bit is set.
 STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   const auto four = [&](__m256i bit) __attribute__((always_inline)) {
     const __m256i set = _mm256_and_si256(_mm256_set1_epi64x(bits), bit);
@@ -280,12 +280,12 @@ STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   return {four(_mm256_setr_epi64x(1, 2, 4, 8)), four(_mm256_setr_epi64x(16, 32, 64, 128))};
 }
 
-/// The lanes rounded to float.
+/// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) {
   _mm_storeu_ps(out, _mm256_cvtpd_ps(a.lo));
   _mm_storeu_ps(out + 4, _mm256_cvtpd_ps(a.hi));
 }
-/// Pairs of lanes of a and b.
+/// Stores pairs of lanes of a and b, rounded to float.
 STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], WideDouble a, WideDouble b) {
   const auto four = [&](__m256d x, __m256d y, float(*to)[2]) __attribute__((always_inline)) {
     const __m128 first = _mm256_cvtpd_ps(x), second = _mm256_cvtpd_ps(y);

@@ -66,7 +66,7 @@ struct WideUint {
 };
 
 STANDOFF_INLINE WideUint operator+(WideUint a, WideUint b) { return _mm512_add_epi32(a.v, b.v); }
-/// 0 to 15.
+/// The numbers 0 to 15.
 STANDOFF_INLINE WideUint lane_numbers() {
   return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
@@ -76,7 +76,7 @@ STANDOFF_INLINE WideUint select(Mask m, WideUint yes, WideUint no) {
   return _mm512_mask_blend_epi32(m.bits, no.v, yes.v);
 }
 
-/// Stores the elements of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+/// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
 STANDOFF_INLINE int store_packed(std::uint32_t* p, Mask m, WideUint a) {
   _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.bits, a.v));
   return __builtin_popcount(m.bits);
@@ -140,7 +140,7 @@ struct WideDouble {
   friend STANDOFF_INLINE WideDouble operator-(WideDouble a) { return _mm512_xor_pd(a.v, _mm512_set1_pd(-0.0)); }
 };
 
-// As those of geometry/triple.h, lane by lane.
+// The same as in geometry/triple.h, lane by lane.
 STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) { return _mm512_fmadd_pd(a.v, b.v, c.v); }
 STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) { return _mm512_min_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) { return _mm512_max_pd(a.v, b.v); }
@@ -159,7 +159,7 @@ STANDOFF_INLINE void store_local(double* out, const double* v, double scale, con
 /// Column `axis` of eight rows of four.
 STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   const __m512i from = _mm512_add_epi64(_mm512_setr_epi64(0, 4, 8, 12, 0, 4, 8, 12), _mm512_set1_epi64(axis));
-  // Row by row, as they were stored: a load of two would wait until both stores are done.
+  // Load row by row, as they were stored: a load of two rows would wait until both stores are done.
   const auto two_rows = [&](int n) __attribute__((always_inline)) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(rows[n])), _mm256_load_pd(rows[n + 1]), 1);
   };
@@ -167,20 +167,20 @@ STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
                               _mm512_permutex2var_pd(two_rows(4), from, two_rows(6)));
 }
 
-/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+/// Looks up eight numbers in a table of eight: the index of each is three bits, from bit kShift on, of an integer.
 template <int kShift>
 STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
   const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(integers));
-  const __m512i which = _mm512_cvtepu32_epi64(_mm256_srli_epi32(all, kShift));  // its low bits count
+  const __m512i which = _mm512_cvtepu32_epi64(_mm256_srli_epi32(all, kShift));  // only the low bits matter
   return _mm512_permutexvar_pd(which, _mm512_loadu_pd(table));
 }
 
-/// The lanes whose bit is set.
+/// A mask of the lanes whose bit is set.
 STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask8>(bits)}; }
 
-/// The lanes rounded to float.
+/// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) { _mm256_storeu_ps(out, _mm512_cvtpd_ps(a.v)); }
-/// Pairs of lanes of a and b.
+/// Stores pairs of lanes of a and b, rounded to float.
 STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], WideDouble a, WideDouble b) {
   const __m512 both = _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(a.v)), _mm512_cvtpd_ps(b.v), 1);
   const __m512i pairs = _mm512_setr_epi32(0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen floats, and eight doubles, as four of the compiler's own vectors, which every processor's baseline has. Same
-// names and same results as wide_avx512.h: fma has one rounding even where the processor has none, at the price of a
+// Sixteen floats, and eight doubles, as four of the compiler's own vectors, which every processor has, with the names
+// and results of wide_avx512.h. fma rounds once even if the processor has no such instruction, at the price of a
 // library call.
 #pragma once
 
@@ -26,13 +26,13 @@ STANDOFF_INLINE T by_parts(Function f) {
 #define STANDOFF_LANES [&](int part) __attribute__((always_inline))
 
 struct Mask {
-  Ints v[kParts];  // all bits of a lane, or none
+  Ints v[kParts];  // all bits of a lane are set, or none
 
   STANDOFF_INLINE std::uint32_t to_bits() const {
     const Ints bit{1, 2, 4, 8};
     Ints set{};
     for (int part = 0; part < kParts; ++part) set |= v[part] & (bit << (kPartLanes * part));
-    const auto halves = reinterpret_cast<LongUints>(set);  // two numbers are taken out of a register faster than four
+    const auto halves = reinterpret_cast<LongUints>(set);  // extracting two numbers is faster than extracting four
     const std::uint64_t both = halves[0] | halves[1];
     return static_cast<std::uint32_t>(both | both >> 32);
   }
@@ -81,8 +81,7 @@ struct WideFloat {
   }
 };
 
-/// to[i] = fma(to[i], b[i], c[i]). Where that is sixteen calls it is no inline function, or the kernels would be mostly
-/// calls.
+/// to[i] = fma(to[i], b[i], c[i]). If this takes sixteen calls it is not inlined, or the kernels would be mostly calls.
 #ifdef __FP_FAST_FMAF
 STANDOFF_INLINE
 #else
@@ -164,7 +163,7 @@ STANDOFF_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
   for (int part = 0; part < kParts; ++part) sum.v[part] = a.v[part] + b.v[part];
   return sum;
 }
-/// 0 to 15.
+/// The numbers 0 to 15.
 STANDOFF_INLINE WideUint lane_numbers() {
   WideUint numbers;
   for (std::uint32_t part = 0; part < kParts; ++part) numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
@@ -235,7 +234,7 @@ STANDOFF_INLINE T by_double_parts(Function f) {
 }
 
 struct DoubleMask {
-  LongInts v[kDoubleParts];  // all bits of a lane, or none
+  LongInts v[kDoubleParts];  // all bits of a lane are set, or none
 
   STANDOFF_INLINE std::uint32_t to_bits() const {
     const LongInts bit{1, 2};
@@ -328,7 +327,7 @@ STANDOFF_INLINE WideDouble load_column(const double (*rows)[4], int axis) {
   return WideDouble::load(column);
 }
 
-/// The numbers of a table that the three bits from kShift on of each of eight integers name.
+/// Looks up eight numbers in a table of eight: the index of each is three bits, from bit kShift on, of an integer.
 template <int kShift>
 STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t* integers) {
   double found[WideDouble::kLanes];
@@ -336,7 +335,7 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
   return WideDouble::load(found);
 }
 
-/// The lanes whose bit is set.
+/// A mask of the lanes whose bit is set.
 STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   DoubleMask m;
   for (int part = 0; part < kDoubleParts; ++part) {
@@ -347,13 +346,13 @@ STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   return m;
 }
 
-/// The lanes rounded to float.
+/// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, const WideDouble& a) {
   double lanes[WideDouble::kLanes];
   a.store(lanes);
   for (int n = 0; n < WideDouble::kLanes; ++n) out[n] = static_cast<float>(lanes[n]);
 }
-/// Pairs of lanes of a and b.
+/// Stores pairs of lanes of a and b, rounded to float.
 STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], const WideDouble& a, const WideDouble& b) {
   float first[WideDouble::kLanes], second[WideDouble::kLanes];
   store_rounded(first, a);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inner loops of the queries, one set for each instruction set; the answers do not depend on it.
+// The inner loops of the queries, compiled once per instruction set; the answers do not depend on the set.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace standoff::collision {
 
 struct Kernels {
   const char* name;
-  /// Lower bounds of the distance between 16 spheres, placed in the field's frame, and the surface: negative where a
-  /// sphere may touch. Where a bound from the coarse field exceeds `enough`, the fine field is not asked.
+  /// Writes lower bounds of the distance between 16 spheres, placed in the field's frame, and the surface; negative if
+  /// a sphere may touch it. If a bound from the coarse field exceeds `enough`, the fine field is not sampled.
   void (*gaps)(const FieldView&, const FloatTransform&, const Sphere16&, float enough, float* gap);
   /// The same for spheres whose centres are in the field's frame already.
   void (*gaps_at)(const FieldView&, const float (*center)[kLanes], const float* radius, float enough, float* gap);
-  /// Bit n: box n and `box` share a point.
+  /// Returns bit n if box n and `box` share a point.
   std::uint32_t (*overlapping)(const Boxes16&, const FloatBox& box);
-  /// Squared distances between the boxes and `box`.
+  /// Writes squared distances between the boxes and `box`.
   void (*distances_sq)(const Boxes16&, const FloatBox& box, float* distance_sq);
   /// Squared distances between oriented boxes and `box`, in one frame, at least: by their projections onto the axes of
   /// both, onto the line of centers, and, where given, onto three more perpendicular unit vectors.
@@ -30,27 +30,29 @@ struct Kernels {
   int (*near_triangles)(const Triangle16& first, const float (&center)[3], int count, const Triangle16& second,
                         const float (&second_center)[3], int second_count, const LeafAxes (&axes)[2], float most_sq,
                         LeafPair* pairs);
-  /// Transforms 16 triangles into another frame, and their boxes grown by `by`; `all` becomes the box around those.
+  /// Transforms 16 triangles into another frame, and writes their boxes grown by `by`; `all` becomes the box around
+  /// them.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,
                               Boxes16& boxes, FloatBox& all);
-  /// The pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's plane keeps
-  /// more than `apart` from each other. Fastest where b is the one with fewer lanes. Returns how many.
+  /// Writes the pairs of triangles, one of each packet, whose boxes share a point and which neither triangle's normal
+  /// separates by more than `apart`. Returns their number. It is fastest if b has fewer lanes.
   int (*close_pairs)(const TriangleSubset& a, const TriangleSubset& b, float apart, LanePair* pairs);
-  /// Decides eight pairs in the world; where `transform_p` or `transform_q` is given, their corners are still to be
-  /// taken there.
+  /// Decides eight pairs in the world; `transform_p` and `transform_q`, unless null, transform their corners to it.
   void (*overlap_pairs)(const TrianglePairs&, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
                         PairOverlaps&);
-  /// The closest points of eight pairs that do not cross, placed as for overlap_pairs.
+  /// Finds the closest points of eight pairs that do not cross; the transforms are the same as for overlap_pairs.
   void (*closest)(const TrianglePairs&, const DoubleTransform* transform_p, const DoubleTransform* transform_q,
                   ClosestOfPairs&);
+
+  static const Kernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best there are for Simd::automatic. Throws Error{usage} that begins with
-/// `where` when the processor lacks the set.
+/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} that begins with `where`
+/// if the processor lacks the set.
 const Kernels& kernels_for(Simd simd, const char* where);
 /// The best kernels that this processor can run.
 const Kernels& best_kernels();
-/// All that this processor can run, best first, for tests.
+/// The kernels of all sets that this processor can run, the best first; for tests.
 std::span<const Kernels* const> all_kernels();
 
 }  // namespace standoff::collision

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The queries' kernels for the instruction set of the file that includes this: sixteen lanes of floats, or eight of
-// doubles, at a time. Nothing is fused, so all sets round alike. The table at the end names them for kernels.cpp.
+// The queries' kernels for the instruction set of the file that includes this: they take sixteen floats or eight
+// doubles at a time. No operations are fused, so all sets give the same bits.
 #pragma once
 
 #include <limits>
@@ -24,7 +24,7 @@ namespace {
 STANDOFF_INLINE WidePoint same_points(const float* at) {
   return {WideFloat(at[0]), WideFloat(at[1]), WideFloat(at[2])};
 }
-/// A lane of sixteen points in all lanes.
+/// One of sixteen points in all lanes.
 STANDOFF_INLINE WidePoint same_points(const float (&at)[3][kLanes], int lane) {
   return {WideFloat(at[0][lane]), WideFloat(at[1][lane]), WideFloat(at[2][lane])};
 }
@@ -36,7 +36,7 @@ STANDOFF_INLINE WidePoint max(const WidePoint& a, const WidePoint& b) {
   return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
 }
 
-/// Sixteen points, transformed in another frame.
+/// Sixteen points, transformed to another frame.
 STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const WidePoint& p) {
   const auto row = [&](int axis) __attribute__((always_inline)) {
     const float* const r = transform.rotation + 3 * axis;
@@ -45,8 +45,6 @@ STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const Wid
   };
   return {row(0), row(1), row(2)};
 }
-
-// Sixteen boxes against one.
 
 void distances_sq(const Boxes16& boxes, const FloatBox& box, float* distance_sq) {
   const WidePoint low = load_points(boxes.low), high = load_points(boxes.high);
@@ -164,7 +162,7 @@ int near_triangles(const Triangle16& first, const float (&center)[3], int count,
   return found;
 }
 
-// Pairs of triangles that may be near each other: by their boxes, and by two separating axes.
+// Pairs of triangles are excluded by their boxes and by two separating axes.
 
 void transform_triangles(const FloatTransform& transform, const Triangle16& triangles, float by, Triangle16& grown,
                          Boxes16& boxes, FloatBox& all) {
@@ -182,17 +180,18 @@ void transform_triangles(const FloatTransform& transform, const Triangle16& tria
   all.high[0] = reduce_max(high.x), all.high[1] = reduce_max(high.y), all.high[2] = reduce_max(high.z);
 }
 
-// The axes are the two normals. A sliver's normal is mostly rounding and may point anywhere. That does no harm: any
-// axis may separate, as long as both triangles are projected on it, for a sliver is no point on its own rounded normal.
+// The axes are the two normals. A sliver's normal is mostly rounding and may point anywhere. This does no harm: any
+// axis may separate, as long as both triangles are projected on it, because a sliver is no point on its own rounded
+// normal.
 //
-// A projection is off by a few roundings, 2^-24 each, of products no larger than |normal| (the sum of its magnitudes)
-// times the span of the corners. kProjectionError is 67 roundings. kProjectionUnderflow covers products that underflow,
-// also in programs that flush denormals to zero. With smaller values triangles that touch may be called apart; with
-// larger ones more pairs go on to the test in double.
-constexpr float kProjectionError = 4e-6f;       // of |normal| times span
+// The error of a projection is a few roundings, 2^-24 each, of products no larger than |normal| (the sum of its
+// magnitudes) times the span of the corners. kProjectionError is 67 roundings. kProjectionUnderflow covers products
+// that underflow, also in programs that flush denormals to zero. Smaller: triangles that touch may count as apart.
+// Larger: more pairs are tested in double.
+constexpr float kProjectionError = 4e-6f;       // a share of |normal| times span
 constexpr float kProjectionUnderflow = 1e-36f;  // world units, cubed
 
-// Sixteen triangles with their normals, and what each covers on its own normal, seen from its first corner.
+// Sixteen triangles, their normals, and their intervals on their own normals, relative to their first corners.
 struct Planes {
   WidePoint corner[3];
   WidePoint normal;
@@ -211,7 +210,7 @@ STANDOFF_INLINE Planes planes_of(const Triangle16& triangles) {
   return p;
 }
 
-// The same of sixteen triangles, for one lane at a time.
+// The same in arrays, to read one triangle at a time.
 struct PlaneOfLane {
   alignas(64) float normal[3][kLanes], normal_size[kLanes], low[kLanes], high[kLanes];
 };
@@ -225,12 +224,12 @@ STANDOFF_INLINE PlaneOfLane planes_by_lane(const Triangle16& triangles) {
   return s;
 }
 
-// How far apart two sets of points lie on an axis: one covers low to high, the other the three projections.
+// The distance on an axis of the interval from low to high and three projected points.
 STANDOFF_INLINE WideFloat separation(const WideFloat (&points)[3], const WideFloat& low, const WideFloat& high) {
   return max(min(points[0], min(points[1], points[2])) - high, low - max(points[0], max(points[1], points[2])));
 }
 
-// Which of sixteen triangles may be within `apart` of one lane of others.
+// The lanes, of sixteen triangles, that may be within `apart` of one lane of others.
 STANDOFF_INLINE std::uint32_t not_separated(const Planes& planes, const Triangle16& others, const PlaneOfLane& other,
                                             int lane, float apart) {
   const WidePoint origin = same_points(others.corner[0], lane), normal = same_points(other.normal, lane);
@@ -263,8 +262,8 @@ int close_pairs(const TriangleSubset& a, const TriangleSubset& b, float apart, L
   return count;
 }
 
-// Bounds of how far sixteen spheres are from a surface, by its fields. The loops are plain ones, which the compiler
-// turns into vectors: kernel_data.h is also a GPU thread's.
+// Lower bounds of the distances of sixteen spheres from a surface. The loops are plain ones, which the compiler
+// vectorises, because GPU threads share the code of kernel_data.h.
 void gaps_at(const FieldView& f, const float (*center)[kLanes], const float* radius, float enough, float* gap) {
   alignas(64) std::int32_t coarse_at[kLanes], tile[kLanes], within[kLanes];
   alignas(64) float coarse_off[kLanes], fine_off[kLanes], outside[kLanes];
@@ -290,7 +289,7 @@ void gaps(const FieldView& f, const FloatTransform& transform, const Sphere16& s
   gaps_at(f, center, spheres.radius, enough, gap);
 }
 
-// Pairs of triangles decided and measured, eight at a time: triangle_overlap.h, overlap_penetration.h and
+// Pairs of triangles are decided and measured eight at a time: by triangle_overlap.h, overlap_penetration.h and
 // closest_pair.h for eight doubles.
 
 struct EightPairs {
@@ -333,17 +332,19 @@ void closest(const TrianglePairs& pairs, const DoubleTransform* transform_p, con
 
 }  // namespace
 
-extern const Kernels kKernels;
-const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
-                       .gaps = gaps,
-                       .gaps_at = gaps_at,
-                       .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
-                       .distances_sq = distances_sq,
-                       .obb_distances_sq = obb_distances_sq,
-                       .near_triangles = near_triangles,
-                       .transform_triangles = transform_triangles,
-                       .close_pairs = close_pairs,
-                       .overlap_pairs = overlap_pairs,
-                       .closest = closest};
+constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
+                         .gaps = gaps,
+                         .gaps_at = gaps_at,
+                         .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
+                         .distances_sq = distances_sq,
+                         .obb_distances_sq = obb_distances_sq,
+                         .near_triangles = near_triangles,
+                         .transform_triangles = transform_triangles,
+                         .close_pairs = close_pairs,
+                         .overlap_pairs = overlap_pairs,
+                         .closest = closest};
 
 }  // namespace standoff::collision::STANDOFF_TARGET
+
+const standoff::collision::Kernels standoff::collision::Kernels::STANDOFF_TARGET =
+    standoff::collision::STANDOFF_TARGET::kTable;

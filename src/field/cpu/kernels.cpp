@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lattice that kernels read; the kernels for each instruction set, and the choice among them.
+// The lattice that kernels read, and the choice of kernels.
 #include "field/cpu/kernels.h"
 
 #include <cmath>
@@ -21,7 +21,7 @@ BlockLattice make_block_lattice(const Grid& grid, double thickness) {
     for (int b = 0; b < kBlocksY; ++b) lattice.y[b][lane] = lattice.coordinate[1][b * kBlockY + ly];
     for (int b = 0; b < kBlocksZ; ++b) lattice.z[b][lane] = lattice.coordinate[2][b * kBlockZ + lz];
   }
-  // Of a box of samples: its middle relative to the brick's, from its lowest sample.
+  // The middle of `count` samples from sample `first` on, relative to the brick's centre.
   const auto middle = [&](int first, int count, int axis) {
     return static_cast<float>((first + count / 2.0 - kBrickSide / 2.0) * lattice.unit[axis]);
   };
@@ -51,26 +51,8 @@ Brick brick_at(const BlockLattice& lattice, std::int64_t index) {
   return {{at[0], at[1], at[2]}, {center.x, center.y, center.z, 0}};
 }
 
-namespace portable {
-extern const Kernels kKernels;
-}
-#ifdef __x86_64__
-namespace avx2 {
-extern const Kernels kKernels;
-}
-namespace avx512 {
-extern const Kernels kKernels;
-}
-#endif
-
 const Kernels& kernels_for(Simd simd) {
-  static const Dispatch<Kernels> kernels({
-#ifdef __x86_64__
-      {Simd::avx512, &avx512::kKernels},
-      {Simd::avx2, &avx2::kKernels},
-#endif
-      {Simd::portable, &portable::kKernels},
-  });
+  static const Dispatch<Kernels> kernels;
   return kernels.of(simd, "compute");
 }
 

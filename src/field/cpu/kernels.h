@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the inner loops of the CPU backend take, and a table of them. They are compiled once per instruction set
-// (kernels_*.cpp) and chosen at run time. All sets give the same bits.
+// The inner loops of the CPU backend, and their data. They are compiled once per instruction set (kernels_*.cpp) and
+// chosen at run time. All sets give the same bits.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ inline constexpr int kBlocks = kBlocksX * kBlocksY * kBlocksZ;
 /// Block (bx,by,bz) of a brick; x fastest.
 constexpr int block_index(int bx, int by, int bz) { return bx + kBlocksX * (by + kBlocksY * bz); }
 
-/// Sixteen blocks that lie together, 2x4x2 of them, and sixteen such clumps to a brick.
+/// A clump is 2x4x2 neighbouring blocks; a brick has sixteen clumps.
 inline constexpr int kClumps = kBlocks / kLanes;
 constexpr int block_of_clump(int clump, int lane) {
   return block_index(2 * (clump & 1) + (lane & 1), 4 * (clump >> 1 & 1) + (lane >> 1 & 3),
@@ -32,13 +32,13 @@ constexpr int block_of_clump(int clump, int lane) {
 }
 static_assert(kLanes == 16 && kClumps == 16 && kBlocksX == 4 && kBlocksY == 8 && kBlocksZ == 8);
 
-/// The shared lattice, and what wide registers load: coordinates of a brick's samples and blocks relative to its
-/// centre.
+/// The shared lattice, and coordinates of a brick's samples and blocks relative to its centre, laid out for wide
+/// registers.
 struct BlockLattice : Lattice {
   std::int64_t bricks[3];
-  float inverse_spacing[3];               ///< 1 / grid units
+  float inverse_spacing[3];               ///< 1 / spacing, 1 / grid units
   float block_radius;                     ///< half the diagonal of a block, grid units
-  float clump_radius;                     ///< of a clump
+  float clump_radius;                     ///< half the diagonal of a clump
   alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates, by block column
   alignas(64) float y[kBlocksY][kLanes];
   alignas(64) float z[kBlocksZ][kLanes];
@@ -59,9 +59,7 @@ struct Brick {
 
 Brick brick_at(const BlockLattice& lattice, std::int64_t index);
 
-// Boxes of triangles and of nodes of them, as the culling kernels read and write them.
-
-/// Boxes of entries, an array per coordinate with room for a whole register past the last.
+/// Boxes of entries: an array per coordinate, with room for a whole register past the last entry.
 struct BoxArrays {
   float* low[3];
   float* high[3];
@@ -69,15 +67,13 @@ struct BoxArrays {
   std::int64_t count;
 };
 
-// The frames of sixteen triangles in memory: a register for each number of TriangleFrame (geometry/triangle_frame.h),
-// lane n of which belongs to triangle n.
-
+/// The frames of sixteen triangles (geometry/triangle_frame.h): a register per number, a lane per triangle.
 struct alignas(64) FrameLanes {
-  /// Linear: the gradient and the constant.
+  /// A Linear in memory: the gradient and the constant.
   struct Line {
     float gx[kLanes], gy[kLanes], gz[kLanes], c[kLanes];
   };
-  /// HalfTriangle.
+  /// A HalfTriangle in memory.
   struct Half {
     float leg[kLanes], length[kLanes], nx[kLanes], ny[kLanes];
   };
@@ -85,37 +81,35 @@ struct alignas(64) FrameLanes {
   Half left, right;
 };
 
-// Scratch memory for the candidates of a tile while its cells are visited.
-
-/// Cells of 4x4x4 samples: one block wide, kCellBlocks high and deep.
+/// A cell of a tile has 4x4x4 samples: it is one block wide, kCellBlocks high and deep.
 inline constexpr int kCellSide = 4, kCellBlocks = 2, kBlocksOfCell = kCellBlocks * kCellBlocks;
 static_assert(kCellSide == kBlockX && kCellSide == kCellBlocks * kBlockY && kCellSide == kCellBlocks * kBlockZ);
 
-/// Sixteen triangles set up, relative to the brick's centre.
+/// The frames of sixteen triangles, relative to the brick's centre.
 struct FrameGroup {
   FrameLanes frame;
-  alignas(64) std::uint32_t index[kLanes];  ///< in the mesh
-  std::uint32_t is_long;                    ///< bits of the lanes whose samples need lines
+  alignas(64) std::uint32_t index[kLanes];  ///< the triangles
+  std::uint32_t is_long;                    ///< bits of the triangles that must be measured by lines
 };
 
-/// Groups that are looked at together, 2048 triangles. A thread's table of them takes 0.6 MiB; most tiles have far
-/// fewer candidates. With fewer groups, tiles with more candidates go on in more parts, each with reference points of
-/// its own.
+/// Groups of a table, 2048 triangles. A thread's table takes 0.6 MiB; most tiles have far fewer candidates. With fewer
+/// groups, crowded tiles need more tables, each with its own reference points.
 inline constexpr int kTableGroups = 128;
 
-/// Candidates one by one: group * 16 + lane; room for a register more.
+/// A list of candidates, group * 16 + lane, with room for a register more.
 struct CandidateList {
   std::uint32_t candidate[(kTableGroups + 1) * kLanes];
   int count;
 };
 
-/// Some candidates of one tile. More candidates than fit come one table after the other.
+/// Scratch memory: candidates of a tile while its cells are visited. If more candidates than fit, tables follow each
+/// other.
 struct CandidateTable {
   static constexpr int kGroups = kTableGroups;
   static constexpr int kCornersPerAxis = 3;
   static constexpr int kCorners = kCornersPerAxis * kCornersPerAxis * kCornersPerAxis;
 
-  /// What blocks choose by: the box of each candidate, and a point of it. Axis, candidate.
+  /// The data that blocks cull by: the box of each candidate, and a point of it. Axis, candidate.
   template <int kCount>
   struct Extents {
     alignas(64) float low[3][kCount];
@@ -124,8 +118,8 @@ struct CandidateTable {
   };
 
   struct Group : FrameGroup {
-    alignas(64) float slack[kLanes];  ///< what a distance from the frame may be off by
-    /// What the squared distance from each corner of the lattice is at least.
+    alignas(64) float slack[kLanes];  ///< the error of a distance from the frame
+    /// A lower bound of the squared distance from each corner of the lattice.
     alignas(64) float corner_distance_sq[kCorners][kLanes];
     Extents<kLanes> extent;
     std::uint32_t lanes;  ///< bits of the lanes in use
@@ -133,16 +127,16 @@ struct CandidateTable {
   Group groups[kGroups];
   int count;  ///< groups in use
 
-  /// The lattice of the tile's 2x2x2 cells, x fastest, and near each corner the nearest point of the surface found.
+  /// A corner of the tile's 2x2x2 cells, x fastest, and the nearest point of the surface that was found for it.
   struct Corner {
     float at[3];
     float point[3];
-    float distance_sq;  ///< infinite while none was found
-    float slack;        ///< how far from the surface the point may be
+    float distance_sq;  ///< infinite if no point is known
+    float slack;        ///< the largest distance of the point from the surface
   };
   Corner corners[kCorners];
 
-  /// The groups a cell has to look at, and the lanes of each.
+  /// A group with candidates of a cell, and their lanes.
   struct Active {
     std::uint16_t group;
     std::uint16_t lanes;
@@ -150,58 +144,55 @@ struct CandidateTable {
   Active active[kGroups];
   int active_groups;
 
-  CandidateList list;                             ///< those of a cell
+  CandidateList list;                             ///< the candidates of a cell
   Extents<(kGroups + 1) * kLanes> listed_extent;  ///< of the candidates in the list; room for a register more
-  CandidateList block_list[kBlocksOfCell];        ///< those that a block has to look at
+  CandidateList block_list[kBlocksOfCell];        ///< the candidates of each block
 };
 
-// The candidates of a cell among triangles that are small against the spacing, and scratch memory for those it keeps.
-
+/// A cell with very many candidates, which are small compared with the spacing.
 struct CrowdedCell {
   int at[3];                   ///< its first sample in the brick
-  const BoxArrays& boxes;      ///< of its candidates; all entries are triangles
+  const BoxArrays& boxes;      ///< the boxes of its candidates; all entries are triangles
   const float (*points)[3];    ///< a point of each entry, in the coordinates of the boxes and as exact as they are
-  const std::uint32_t* index;  ///< in the mesh, of each entry
+  const std::uint32_t* index;  ///< the triangle of each entry
   float brick_center[3];       ///< in the coordinates of the boxes
-  float extent;                ///< no sample has larger coordinates there
+  float extent;                ///< the largest coordinate of a sample there
 };
 
-/// Those candidates of a cell that some of its blocks chose. More boxes than fit come one table after the other.
+/// Scratch memory: the candidates of a crowded cell that some block keeps. If more than fit, tables follow each other.
 struct CrowdedTable {
   static constexpr int kMost = kTableGroups * kLanes;
 
-  std::uint32_t chosen[kMost];  ///< mesh indices
+  std::uint32_t chosen[kMost];  ///< the triangles kept
   int chosen_count;
-  FrameGroup groups[kTableGroups];          ///< the same set up
-  CandidateList block_list[kBlocksOfCell];  ///< of those, the ones that a block has to look at
+  FrameGroup groups[kTableGroups];          ///< their frames
+  CandidateList block_list[kBlocksOfCell];  ///< the candidates of each block
 };
-
-// The kernels, and what each of them is told.
 
 /// The squared distances of one brick while triangles are gathered into it; one per thread.
 struct BrickState {
   alignas(64) float distance_sq[kBlocks][kLanes];
-  alignas(64) std::uint32_t nearest[kBlocks][kLanes];  ///< kept only when asked for
+  alignas(64) std::uint32_t nearest[kBlocks][kLanes];  ///< kept only if asked for
   std::int64_t samples_examined = 0;
   std::int64_t samples_band = 0;
 };
 
-/// Triangles to gather: `count` indices into the mesh's.
+/// Triangles to gather: `count` indices into the mesh's triangles.
 struct Candidates {
   MeshMemory mesh;
   const std::uint32_t* refs;
   std::int64_t count;
 };
 
-/// The samples of a cell: a box around them, and how far a triangle may be to matter.
+/// The samples of a cell: a box around them, and the largest distance of a triangle that matters.
 struct CullCell {
   float center[3];
   float half[3];
   float reach;
 };
 
-/// Points of the surface, any: what lies farther from all samples of a cell than one of them is left out there. Those
-/// nearest to the cell's corners leave out the most.
+/// Points of the surface. Boxes that are farther from all samples of a cell than one of them are culled; any points
+/// will do, but points near the cell's corners cull the most.
 struct References {
   static constexpr int kMost = 8;
   float at[kMost][3];
@@ -215,43 +206,46 @@ struct TriangleLanes {
   alignas(64) double at[3][kCount];
 };
 
-/// Points per axis of the lattice that halves a cell: its faces and its middle.
+/// Points per axis of the lattice that halves a cell: two on its faces and one in the middle.
 inline constexpr int kLatticeSide = 3;
 
 struct Kernels {
   const char* name;
-  /// Forgets all distances.
+  /// Sets all distances to infinity.
   void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.
   void (*gather_band)(const BlockLattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
-  /// A bit per tile of the brick (x fastest) that holds a sample within the thickness; counts these samples.
+  /// Returns a bit per tile of the brick (x fastest): whether it holds a sample within the thickness. Counts these
+  /// samples.
   unsigned (*band_tiles)(const BlockLattice&, const Brick&, BrickState&);
-  /// Writes one tile's distances in world units, clamped by the thickness, and its nearest triangles where asked for.
+  /// Writes a tile's distances in world units, clamped by the thickness, and its nearest triangles if asked for.
   void (*write_tile)(const BlockLattice&, const BrickState&, int tile, const TileTarget&);
 
-  /// For each point of a lattice, x fastest, the position in the list of the box whose centre is nearest. Requires one
-  /// box at least.
+  /// Finds for each point of a lattice, x fastest, the index of the box whose centre is nearest. Requires at least one
+  /// box.
   void (*nearest_to_lattice)(const BoxArrays&, const float (&at)[3][kLatticeSide], std::uint32_t* nearest);
-  /// Replaces points by the points of triangles that are nearest to them.
+  /// Replaces each point by the closest point of its triangle.
   void (*nearest_on_triangles)(TriangleLanes&);
-  /// The position in the node of the box whose centre is nearest to the point.
+  /// Returns the child of the node whose box's centre is nearest to the point.
   int (*nearest_child)(const BvhNode&, const float* point);
-  /// Adds to `kept`, which has the room, the boxes within the cell's reach that may hold a point nearer to some of its
-  /// samples than each of the references is.
+  /// Adds to `kept`, which must have room, the boxes within the cell's reach that may hold a point nearer to some
+  /// sample than every reference is.
   void (*cull_boxes)(const BoxArrays&, const CullCell&, const References&, BoxArrays& kept);
   /// The same for the boxes of nodes.
   void (*cull_nodes)(const BvhNode* nodes, std::int64_t count, const CullCell&, const References&, BoxArrays& kept);
-  /// Lowers the distances of a tile's samples, as gather_band, for candidates of which each sample needs few: chooses
-  /// them for each cell of 4x4x4 samples.
+  /// Does the same as gather_band for a tile with many candidates, of which each sample needs few: it culls them for
+  /// each cell of 4x4x4 samples.
   void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
                       CandidateTable&, BrickState&);
-  /// The same for one cell and the candidates that its boxes stand for; `mesh` lists none.
+  /// The same for a crowded cell. The candidates are the cell's boxes; `mesh` lists none.
   void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh,
                          bool with_nearest, CrowdedTable&, BrickState&);
+
+  static const Kernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
-/// processor does not have the set.
+/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} if the processor lacks the
+/// set.
 const Kernels& kernels_for(Simd simd);
 
 }  // namespace standoff::cpu

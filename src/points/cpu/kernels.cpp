@@ -6,26 +6,8 @@
 
 namespace standoff::cpu {
 
-namespace portable {
-extern const PointKernels kPointKernels;
-}
-#ifdef __x86_64__
-namespace avx2 {
-extern const PointKernels kPointKernels;
-}
-namespace avx512 {
-extern const PointKernels kPointKernels;
-}
-#endif
-
 const PointKernels& point_kernels_for(Simd simd) {
-  static const Dispatch<PointKernels> kernels({
-#ifdef __x86_64__
-      {Simd::avx512, &avx512::kPointKernels},
-      {Simd::avx2, &avx2::kPointKernels},
-#endif
-      {Simd::portable, &portable::kPointKernels},
-  });
+  static const Dispatch<PointKernels> kernels;
   return kernels.of(simd, "points");
 }
 

@@ -10,25 +10,27 @@
 namespace standoff::cpu {
 
 struct PointKernels {
-  /// Sets up the frames of node `number` of level 0. `center` is that of the boxes, grid units; scale: grid units per
-  /// world unit.
+  /// Sets up the frames of node `number` of level 0. `center`: the origin of the boxes' coordinates, grid units;
+  /// `scale`: grid units per world unit.
   void (*make_frames)(const BvhView&, std::uint32_t number, double scale, const double (&center)[3], NodeFrames&);
-  /// Lowers nearest_sq and nearest of all points of the group to the nearest of the candidates: triangles by their
-  /// places, ascending within each node of level 0.
+  /// Compares all points of the group with candidate triangles, and updates nearest_sq and nearest. Candidates are
+  /// entries; those of a node of level 0 follow each other and ascend.
   void (*look_at)(const BvhView&, const std::uint32_t* candidates, std::int64_t count, PointGroup&, PointTable&);
-  /// The same for all triangles, point by point.
+  /// Searches all triangles for each point by itself.
   void (*look_at_all)(const BvhView&, PointGroup&, PairTable&);
-  /// Finds the closest point of each triangle, and what part of it that is on. By the measure of
-  /// geometry/triangle_distance.h: its distance has the bits that decided that the triangle is the nearest.
+  /// Finds the closest point of each triangle, and the feature that it is on. It measures as
+  /// geometry/triangle_distance.h does: so the distance has the bits that made the triangle the nearest.
   void (*closest)(ClosestOfEight&);
   /// Adds up the solid angles of all triangles. `use`: how often each one counts, -1 to 1; null: all once.
   void (*add_solid_angles)(const BvhView&, const std::int8_t* use, SolidAngles&);
   /// The same as overlapping() in bvh/boxes16.h.
   std::uint32_t (*overlapping)(const Boxes16&, const FloatBox&);
+
+  static const PointKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
-/// processor does not have the set.
+/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} if the processor lacks the
+/// set.
 const PointKernels& point_kernels_for(Simd simd);
 
 }  // namespace standoff::cpu

@@ -10,14 +10,14 @@
 
 namespace standoff::cpu {
 
-/// A tile of a field and what is beside it. Samples without a nearest triangle are left as they are.
+/// A tile of a field and its sidecars. Samples without a nearest triangle stay unchanged.
 struct SidecarTile {
   static constexpr int kSide = 8, kSamples = 512;
 
   const float* values;
   const std::uint32_t* nearest;         ///< triangles of the mesh, or kNoTriangle
-  double x[kSide], y[kSide], z[kSide];  ///< coordinates of its samples, world units
-  // Outputs, or null. All but features have three numbers for each sample.
+  double x[kSide], y[kSide], z[kSide];  ///< coordinates of the samples, world units
+  // Outputs, or null. All but features have three numbers per sample.
   float* closest_point;
   float* barycentric;
   std::uint8_t* feature;
@@ -29,26 +29,28 @@ struct SidecarMesh {
   std::uint32_t triangles;
   /// A power of two that makes lengths moderate, and its inverse.
   double scale, unscale;
-  /// The gradient of negative values is against that of the distance.
+  /// Whether the gradient of negative values is opposite to the gradient of the distance.
   bool has_negative;
-  /// On the surface it is the normal in the orientation of the sign, and not on the sample's side.
+  /// Whether the gradient on the surface is the normal in the orientation of the sign; else it is the normal on the
+  /// sample's side.
   bool has_sign;
-  /// The orientation of each triangle (OrientedMesh::use), or null; and
-  /// whether all are turned.
+  /// The orientation of each triangle (OrientedMesh::use), or null; and whether all are reversed.
   const std::int8_t* use;
-  bool turned;
+  bool is_reversed;
 };
 
 struct SidecarKernels {
   static constexpr int kNoSuchTriangle = -1, kTooFar = -2;
 
-  /// Fills the outputs. Returns how many samples are on the surface, as slope_of() says; kNoSuchTriangle where
-  /// a nearest triangle is none of the mesh's; kTooFar where one is larger or farther than 2^100 scaled units.
+  /// Fills the outputs. Returns the number of samples on the surface by slope_of(), or kNoSuchTriangle if the mesh
+  /// lacks a nearest triangle, or kTooFar if one is larger or farther than 2^100 scaled units.
   int (*fill)(const SidecarMesh&, const SidecarTile&);
+
+  static const SidecarKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
-/// processor does not have the set.
+/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} if the processor lacks the
+/// set.
 const SidecarKernels& sidecar_kernels_for(Simd simd);
 
 }  // namespace standoff::cpu

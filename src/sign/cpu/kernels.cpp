@@ -6,26 +6,8 @@
 
 namespace standoff::cpu {
 
-namespace portable {
-extern const SignKernels kSignKernels;
-}
-#ifdef __x86_64__
-namespace avx2 {
-extern const SignKernels kSignKernels;
-}
-namespace avx512 {
-extern const SignKernels kSignKernels;
-}
-#endif
-
 const SignKernels& sign_kernels_for(Simd simd) {
-  static const Dispatch<SignKernels> kernels({
-#ifdef __x86_64__
-      {Simd::avx512, &avx512::kSignKernels},
-      {Simd::avx2, &avx2::kSignKernels},
-#endif
-      {Simd::portable, &portable::kSignKernels},
-  });
+  static const Dispatch<SignKernels> kernels;
   return kernels.of(simd, "sign");
 }
 

@@ -85,6 +85,8 @@ struct SignKernels {
   /// floats). Those that have a corner nearer than `least_length`, and some others, are left out (AngleChunk).
   void (*add_solid_angles)(const AngleTriangles&, std::int64_t first, int count, const float* p, float least_length,
                            AngleSums&, AngleChunk&);
+
+  static const SignKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
 /// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the

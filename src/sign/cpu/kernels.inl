@@ -180,7 +180,8 @@ void add_solid_angles(const AngleTriangles& triangles, std::int64_t first, int c
 
 }  // namespace
 
-extern const SignKernels kSignKernels;
-const SignKernels kSignKernels{.cross_rows = cross_rows, .add_solid_angles = add_solid_angles};
+constexpr SignKernels kTable{.cross_rows = cross_rows, .add_solid_angles = add_solid_angles};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
+
+const standoff::cpu::SignKernels standoff::cpu::SignKernels::STANDOFF_TARGET = standoff::cpu::STANDOFF_TARGET::kTable;

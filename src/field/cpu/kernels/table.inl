@@ -8,18 +8,19 @@
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
-extern const Kernels kKernels;
-const Kernels kKernels{.name = STANDOFF_TARGET_NAME,
-                       .clear = clear,
-                       .gather_band = gather_band_any,
-                       .band_tiles = band_tiles,
-                       .write_tile = write_tile,
-                       .nearest_to_lattice = nearest_to_lattice,
-                       .nearest_on_triangles = nearest_on_triangles,
-                       .nearest_child = nearest_child,
-                       .cull_boxes = cull_boxes,
-                       .cull_nodes = cull_nodes,
-                       .gather_tile = gather_tile_any,
-                       .gather_crowded = gather_crowded_any};
+constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
+                         .clear = clear,
+                         .gather_band = gather_band_any,
+                         .band_tiles = band_tiles,
+                         .write_tile = write_tile,
+                         .nearest_to_lattice = nearest_to_lattice,
+                         .nearest_on_triangles = nearest_on_triangles,
+                         .nearest_child = nearest_child,
+                         .cull_boxes = cull_boxes,
+                         .cull_nodes = cull_nodes,
+                         .gather_tile = gather_tile_any,
+                         .gather_crowded = gather_crowded_any};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
+
+const standoff::cpu::Kernels standoff::cpu::Kernels::STANDOFF_TARGET = standoff::cpu::STANDOFF_TARGET::kTable;

@@ -10,12 +10,13 @@
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
-extern const PointKernels kPointKernels;
-const PointKernels kPointKernels{.make_frames = make_frames,
-                                 .look_at = look_at,
-                                 .look_at_all = look_at_all,
-                                 .closest = closest,
-                                 .add_solid_angles = add_solid_angles,
-                                 .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes};
+constexpr PointKernels kTable{.make_frames = make_frames,
+                              .look_at = look_at,
+                              .look_at_all = look_at_all,
+                              .closest = closest,
+                              .add_solid_angles = add_solid_angles,
+                              .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
+
+const standoff::cpu::PointKernels standoff::cpu::PointKernels::STANDOFF_TARGET = standoff::cpu::STANDOFF_TARGET::kTable;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel that makes sidecars of the nearest triangles of a tile, eight samples at once, in double: first as if all
-// were over the inside of their triangles, then by regions, and at last, with more care, where that says nothing.
+// The kernel that makes the sidecars of a tile from its nearest triangles, eight samples at once, in double. It has
+// three measures (geometry/closest_part.h): the first assumes that samples are over the inside of their triangles, the
+// second works by regions, the third, slower one always has an answer.
 #pragma once
 
 #include "geometry/closest_part.h"
@@ -15,11 +16,11 @@ using namespace standoff::STANDOFF_TARGET;
 
 namespace {
 
-// The samples of a tile that have a nearest triangle: those of one triangle together, so that it is prepared once.
+// Samples are sorted by their nearest triangle, so that a triangle is prepared once.
 
 constexpr int kSamplesAtOnce = WideDouble::kLanes;
 
-// Samples of a tile, with as many more as the last group reads.
+// Samples of a tile; a group of eight may read past the end.
 struct Samples {
   alignas(64) std::uint32_t at[SidecarTile::kSamples + WideFloat::kLanes];
   int count = 0;
@@ -27,7 +28,7 @@ struct Samples {
   void add(std::uint32_t sample) { at[count++] = sample; }
 };
 
-// Calls use(eight samples, how many) for each group of some samples: past the end, the last one again.
+// Calls use(eight samples, how many) for each group of samples. The last group is filled up with the last sample.
 template <class Use>
 STANDOFF_INLINE void for_each_group(const std::uint32_t* samples, int count, const Use& use) {
   int first = 0;
@@ -38,17 +39,17 @@ STANDOFF_INLINE void for_each_group(const std::uint32_t* samples, int count, con
   use(last, count - first);
 }
 
-// Triangles and the samples that they are nearest to: those of triangle n are samples.at[first[n]] up to
+// Triangles and the samples that they are nearest to: triangle n has the samples samples.at[first[n]] up to
 // samples.at[first[n + 1]].
 struct SamplesByTriangle {
   std::uint32_t triangle[SidecarTile::kSamples];
   int first[SidecarTile::kSamples + 1];
   int triangles = 0;
-  Samples samples;  // and past the end, the last one again, as often as a group reads it
-  Samples others;   // that are not among these, or not over the inside of their triangle
+  Samples samples;  // filled up with the last sample, as far as a group reads
+  Samples others;   // the other samples, and samples that are not over the inside of their triangle
 };
 
-// Those with a nearest triangle, and these. Returns whether the mesh has all of them.
+// Finds the samples with a nearest triangle, and these triangles. Returns whether the mesh has all of them.
 STANDOFF_INLINE bool find_samples(const SidecarMesh& mesh, const SidecarTile& tile, Samples& samples,
                                   std::uint32_t* nearest) {
   std::uint32_t wrong = 0;
@@ -64,11 +65,11 @@ STANDOFF_INLINE bool find_samples(const SidecarMesh& mesh, const SidecarTile& ti
   return wrong == 0;
 }
 
-// Sorts the samples by triangle as long as that pays: it takes a look at all samples for each triangle. Returns whether
-// the mesh has all of these triangles.
+// Sorts the samples by triangle while this pays: each triangle costs a pass over all samples. Returns whether the mesh
+// has all nearest triangles.
 STANDOFF_INLINE bool sort_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, SamplesByTriangle& sorted) {
   constexpr int kLanes = WideFloat::kLanes;
-  constexpr int kTriangles = 8, kLeastSamples = 5;  // stops where these triangles or more have fewer samples each
+  constexpr int kTriangles = 8, kLeastSamples = 5;  // stops if this many triangles have fewer samples each on average
   alignas(64) std::uint32_t nearest[SidecarTile::kSamples + kLanes];
   Samples all;
   if (!find_samples(mesh, tile, all, nearest)) return false;
@@ -100,9 +101,7 @@ STANDOFF_INLINE bool sort_by_triangle(const SidecarMesh& mesh, const SidecarTile
   return true;
 }
 
-// Eight samples of a tile at once: their places and the corners of triangles in, what is beside them out.
-
-// The coordinates of a tile's samples along each axis, scaled.
+// The scaled coordinates of a tile's samples along each axis.
 struct ScaledPlaces {
   alignas(64) double at[3][SidecarTile::kSide];
 };
@@ -120,7 +119,7 @@ STANDOFF_INLINE DoublePoint places_of(const ScaledPlaces& places, const std::uin
   return {look_up<0>(places.at[0], samples), look_up<3>(places.at[1], samples), look_up<6>(places.at[2], samples)};
 }
 
-// The corners of eight triangles, scaled. Past the `count`, the last one again.
+// The scaled corners of eight triangles; the last of `count` fills up the rest.
 template <bool kPacked>
 STANDOFF_INLINE void load_corners(const SidecarMesh& mesh, const std::uint32_t* triangles, int count,
                                   DoublePoint (&corner)[3]) {
@@ -137,7 +136,7 @@ STANDOFF_INLINE void load_corners(const SidecarMesh& mesh, const std::uint32_t* 
     corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
 
-// Those of the nearest triangles of eight samples.
+// The scaled corners of the nearest triangles of eight samples.
 template <bool kPacked>
 STANDOFF_INLINE void load_nearest(const SidecarMesh& mesh, const SidecarTile& tile, const std::uint32_t* samples,
                                   DoublePoint (&corner)[3]) {
@@ -146,8 +145,8 @@ STANDOFF_INLINE void load_nearest(const SidecarMesh& mesh, const SidecarTile& ti
   load_corners<kPacked>(mesh, triangles, kSamplesAtOnce, corner);
 }
 
-// Where the gradient points away from the distance's: -1, else 1. By bits, because stores of single numbers would have
-// to be done before they are read as eight.
+// -1 if the gradient is opposite to the distance's gradient, else 1. The signs are collected as bits, because loading
+// eight numbers would wait for eight single stores.
 STANDOFF_INLINE WideDouble gradient_signs(const SidecarMesh& mesh, const SidecarTile& tile,
                                           const std::uint32_t* samples) {
   std::uint32_t negative = 0;
@@ -159,7 +158,7 @@ STANDOFF_INLINE WideDouble gradient_signs(const SidecarMesh& mesh, const Sidecar
   return select(double_mask_from_bits(mesh.has_negative ? negative : 0), WideDouble(-1.0), WideDouble(1.0));
 }
 
-// Three numbers of each of eight samples.
+// Stores three numbers for each of eight samples.
 STANDOFF_INLINE void store_triples(const DoublePoint& v, const std::uint32_t* samples, float* out) {
   alignas(64) float xy[kSamplesAtOnce][2], z[kSamplesAtOnce];
   store_rounded_pairs(xy, v.x, v.y);
@@ -177,7 +176,8 @@ STANDOFF_INLINE void store_features(const WideDouble& features, const std::uint3
   for (int lane = 0; lane < kSamplesAtOnce; ++lane) out[samples[lane]] = static_cast<std::uint8_t>(feature[lane]);
 }
 
-// The outputs of eight samples but for the gradient. A part has a point, weights and a feature, `at` is where they are.
+// Stores the outputs of eight samples except the gradient. A part has a point, weights and a feature; `at`: the
+// samples' places.
 template <class Part>
 STANDOFF_INLINE void store_part(const Part& part, const DoublePoint& at, const SidecarMesh& mesh,
                                 const SidecarTile& tile, const std::uint32_t* samples) {
@@ -186,8 +186,8 @@ STANDOFF_INLINE void store_part(const Part& part, const DoublePoint& at, const S
   if (tile.feature) store_features(feature_of(part), samples, tile.feature);
 }
 
-// Fills the outputs of eight samples, and lists those whose answers are not sound (geometry/quick_part.h). `a` is the
-// first corner of the triangles.
+// Fills the outputs of eight samples by quick_part(), and lists the samples whose answers are not sound. `a`: the first
+// corner of the triangles.
 STANDOFF_INLINE void fill_quickly(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                   const QuickTriangle<WideDouble>& triangle, const DoublePoint& a,
                                   const std::uint32_t* samples, int count, Samples& poor) {
@@ -206,8 +206,8 @@ STANDOFF_INLINE QuickFace<WideDouble> face_of_lane(const QuickFace<WideDouble>& 
           of_lane(eight.least_sq, lane)};
 }
 
-// Fills the outputs of eight samples as if all were over the inside of one triangle, and lists those in use that are
-// not. The feature is that of cleared memory. Sixteen samples can be read.
+// Fills the outputs of eight samples as if all were over the inside of one triangle, and lists the samples in use that
+// are not. It does not write the feature: cleared memory means the face. Requires sixteen readable samples.
 STANDOFF_INLINE void fill_face(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                const QuickFace<WideDouble>& face, const DoublePoint& a, const std::uint32_t* samples,
                                std::uint32_t used, Samples& others) {
@@ -225,7 +225,7 @@ STANDOFF_INLINE void fill_face(const SidecarMesh& mesh, const SidecarTile& tile,
       store_packed(others.at + others.count, mask_from_bits(~at.is_inside.to_bits() & used), WideUint::load(samples));
 }
 
-// The square of what no sample of the tile is farther away from a point.
+// An upper bound of the squared distance between a point and the tile's samples.
 STANDOFF_INLINE WideDouble reach_sq(const ScaledPlaces& places, const DoublePoint& point) {
   const auto along = [&](int axis, const WideDouble& at) __attribute__((always_inline)) {
     const WideDouble low = at - WideDouble(places.at[axis][0]),
@@ -236,8 +236,8 @@ STANDOFF_INLINE WideDouble reach_sq(const ScaledPlaces& places, const DoublePoin
   return along(0, point.x) + along(1, point.y) + along(2, point.z);
 }
 
-// Those of triangles that have several each: eight triangles are prepared at once, and then taken one by one. A
-// triangle's last group goes on with samples of the next ones, whose outputs are filled again after it.
+// Fills the samples of triangles with several samples: eight triangles are prepared at once, and then taken one by one.
+// A triangle's last group runs on into samples of the next triangle, which are filled again later.
 template <bool kPacked>
 STANDOFF_INLINE void fill_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                       SamplesByTriangle& sorted) {
@@ -258,7 +258,7 @@ STANDOFF_INLINE void fill_by_triangle(const SidecarMesh& mesh, const SidecarTile
   }
 }
 
-// Each with a triangle of its own.
+// Fills samples that each have their own triangle.
 template <bool kPacked>
 STANDOFF_INLINE void fill_others(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                  const Samples& samples, Samples& poor) {
@@ -274,13 +274,13 @@ STANDOFF_INLINE WideDouble orientations(const SidecarMesh& mesh, const SidecarTi
                                         const std::uint32_t* samples) {
   alignas(64) double orientation[kSamplesAtOnce];
   for (int lane = 0; lane < kSamplesAtOnce; ++lane) {
-    const bool reversed = (mesh.use && mesh.use[tile.nearest[samples[lane]]] < 0) != mesh.turned;
+    const bool reversed = (mesh.use && mesh.use[tile.nearest[samples[lane]]] < 0) != mesh.is_reversed;
     orientation[lane] = !mesh.has_sign ? 0.0 : reversed ? -1.0 : 1.0;
   }
   return WideDouble::load(orientation);
 }
 
-// The same for any triangles. Returns how many samples are on the surface, or kTooFar.
+// The same for any triangles, by closest_part(). Returns the number of samples on the surface, or kTooFar.
 template <bool kPacked>
 STANDOFF_INLINE int fill_exactly(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                  const Samples& samples) {
@@ -293,7 +293,7 @@ STANDOFF_INLINE int fill_exactly(const SidecarMesh& mesh, const SidecarTile& til
         const DoublePoint at = places_of(places, some);
         for (DoublePoint& one : corner) one = one - at;
         const ClosestPart<WideDouble> part = closest_part(corner[0], corner[1], corner[2]);
-        // Squares of squares are finite; where something overflowed, one of these is no number or infinite.
+        // Up to this bound squares of squares are finite; if something overflowed, one of these is NaN or infinite.
         const WideDouble most(0x1p200);
         too_far |= (less(part.distance_sq, most) & less(part.side_sq, most)).to_bits() != 0xff;
         store_part(part, at, mesh, tile, some);
@@ -325,7 +325,9 @@ int fill(const SidecarMesh& mesh, const SidecarTile& tile) {
 
 }  // namespace
 
-extern const SidecarKernels kSidecarKernels;
-const SidecarKernels kSidecarKernels{.fill = fill};
+constexpr SidecarKernels kTable{.fill = fill};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
+
+const standoff::cpu::SidecarKernels standoff::cpu::SidecarKernels::STANDOFF_TARGET =
+    standoff::cpu::STANDOFF_TARGET::kTable;
