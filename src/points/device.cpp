@@ -47,7 +47,7 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
         const double coordinates[3] = {corner.x, corner.y, corner.z};
         for (int axis = 0; axis < 3; ++axis) {
           *to++ = coordinates[axis];
-          // A difference of two numbers is rounded once, whatever they are: by less than the last bit of a float.
+          // The difference is rounded once, whatever the two numbers are: by less than the last bit of a float.
           const auto at = static_cast<float>((coordinates[axis] - center[axis]) * scale);
           node.low[axis] = std::min(node.low[axis], std::nextafter(at, -kInfinityFloat));
           node.high[axis] = std::max(node.high[axis], std::nextafter(at, kInfinityFloat));
@@ -64,9 +64,7 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
     extent = std::max({extent, std::abs(nodes[1].low[axis]), std::abs(nodes[1].high[axis])});
 }
 
-// Blocks of points to a device and back. Points go along a Morton curve, so that the threads of a warp go the same
-// ways.
-
+// Points are sorted along a Morton curve, so that the threads of a warp visit the same nodes.
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
                             std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress) {
   SortedPoints& sorted = found.sorted;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a GPU does of queries at points: the nearest triangles. Sides, and all else, are the CPU's.
+// A GPU finds the nearest triangles of points. The CPU does the rest of a query, signs among it.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,14 @@ class TriangleIndex;
 struct DeviceTree;
 struct FoundTriangles;
 
-/// The squared distance, and the lowest of the triangles that are so near.
+/// The squared distance, and the lowest index of the triangles at this distance.
 struct DeviceNearest {
   double distance_sq;  ///< grid units
   std::uint32_t triangle;
   std::uint32_t padding = 0;
 };
 
-/// Points that are near() to the index; the better they are sorted, the faster.
+/// Points for which TriangleIndex::is_near() holds. The search is faster if neighbours in space are neighbours here.
 struct NearestJob {
   const DeviceTree& tree;
   std::span<const Vec3> points;
@@ -39,15 +39,14 @@ struct PointDevice {
   void (*find_nearest)(const NearestJob&);
 };
 
-/// The device for so many points; null for the CPU. Throws Error{device} where a backend is asked for that there is
-/// not.
+/// The device that answers this number of points; null for the CPU. Throws Error{device} if the backend is missing.
 const PointDevice* find_point_device(Backend backend, std::size_t points);
 
-// The triangles of an index as a GPU reads them: a binary tree of boxes over them, in the index's order, in which
-// neighbours are near each other.
-
+/// The triangles of an index as a GPU reads them: a binary tree of boxes over the entries of the index's BVH, where
+/// neighbours are near each other.
+///
 /// The tree is complete: node n has the children 2n and 2n+1, its root is 1, and leaf n of `leaves` is node leaves + n.
-/// Leaf n holds the entries from n * kLeaf on. Lengths of boxes are in grid units relative to `center`.
+/// Leaf n holds kLeaf entries from n * kLeaf on. Coordinates of boxes are in grid units relative to `center`.
 struct DeviceTree {
   static constexpr std::uint32_t kLeaf = 4;
 
@@ -61,16 +60,15 @@ struct DeviceTree {
   std::uint32_t triangles, leaves;  ///< `leaves` is a power of two
   double center[3];                 ///< world units
   double scale;                     ///< grid units per world unit
-  float extent;                     ///< no coordinate of a box is larger
+  float extent;                     ///< the largest coordinate of a box, in magnitude
   std::vector<Node> nodes;          ///< the first is unused
-  std::vector<double> corners;      ///< nine an entry, world units
-  const std::uint32_t* indices;     ///< in the mesh, by entry
+  std::vector<double> corners;      ///< nine numbers per entry, world units
+  const std::uint32_t* indices;     ///< the triangle of each entry
   gpu::DeviceCopies copies;
 };
 
-// The nearest triangles of many points, found by a device.
-
-/// As find_nearest() of nearest.h, with the same bits. The tree is that of the index; `number` says which device.
+/// Does what find_nearest() of nearest.h does, with the same bits. `tree` was made from `index`; `number` says which
+/// device.
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
                             std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress);
 

@@ -62,13 +62,13 @@ SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progr
   return plan;
 }
 
-// As many rays take less time than other threads to join in.
+// Up to this number of rays, other threads would join in too late to help.
 constexpr std::size_t kFewRays = 32;
 
-// Some points, decided together by one thread.
+// Points whose signs one thread decides together.
 struct Decided {
-  std::span<const std::uint32_t> order;  ///< which of the points that were asked each one is
-  std::array<PointToSide, kTogether> to_side;
+  std::span<const std::uint32_t> order;  ///< the index of each in the caller's points
+  std::array<PointToSign, kTogether> to_sign;
   std::array<double, kTogether> distance;  ///< with its sign
 };
 
@@ -78,7 +78,7 @@ void decide(const MeshQuery::Data& data, const cpu::PointKernels& kernels, const
   decided.order = std::span(found.order).subspan(begin, count);
   for (std::size_t n = 0; n < count; ++n) {
     const NearestTriangle& nearest = found.nearest[begin + n];
-    decided.to_side[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
+    decided.to_sign[n] = {found.points[begin + n], nearest.distance, nearest.triangle};
     decided.distance[n] = nearest.distance;
   }
   if (data.plan.report.method == SignMethod::shell)
@@ -86,15 +86,15 @@ void decide(const MeshQuery::Data& data, const cpu::PointKernels& kernels, const
       distance -= data.sign.shell / 2;
       if (data.sign.invert) distance = 0 - distance;
     }
-  if (!data.sides || !data.plan.has_sign()) return;
+  if (!data.signs || !data.plan.has_sign()) return;
   std::array<bool, kTogether> inside;
-  data.sides->decide(std::span(decided.to_side).first(count), kernels, check, std::span(inside).first(count));
+  data.signs->decide(std::span(decided.to_sign).first(count), kernels, check, std::span(inside).first(count));
   for (std::size_t n = 0; n < count; ++n)
     if (inside[n] != data.sign.invert && decided.distance[n] != 0) decided.distance[n] = -decided.distance[n];
 }
 
-// Calls answer(decided, first) for some points at a time, from many threads: numbers in its order are those of points
-// behind the first ones.
+// Calls answer(decided, first) for some points at a time, from many threads: decided.order[n] + first is the index of a
+// point in `points`.
 template <class Answer>
 void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const Execution& execution,
                 const ProgressCallback& callback, const Answer& answer) {
@@ -105,12 +105,12 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   const PointDevice* const device = find_point_device(execution.backend, points.size());
   const auto answer_some = [&](const FoundTriangles& found, std::size_t first, std::size_t begin, std::size_t end,
                                WorkCheck& check) {
-    const KeptByThread<Decided> decided;  // to make one takes longer than to answer a point
+    const KeptByThread<Decided> decided;  // making one takes longer than answering a point
     decide(data, kernels, found, begin, end, check, *decided);
     answer(*decided, first);
   };
   if (!device && points.size() <= kTogether) {
-    // By the calling thread, in memory that it keeps: other threads cost more than they take off it.
+    // The calling thread answers alone, in memory that it keeps: waking other threads costs more than it saves.
     const KeptByThread<FoundTriangles> found;
     find_nearest(index, kernels, points, *found, progress);
     WorkCheck check(progress, kLooks);
@@ -133,7 +133,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   });
 }
 
-// The closest points of some triangles, and what is known about them.
+// Finds the closest points on the nearest triangles, with their features and weights.
 void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, const Decided& decided,
                   std::span<ClosestPoint> out) {
   constexpr std::size_t kCount = cpu::ClosestOfEight::kCount;
@@ -143,7 +143,7 @@ void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, 
     const std::size_t count = std::min(kCount, decided.order.size() - begin);
     double scale[kCount];
     for (std::size_t n = 0; n < kCount; ++n) {
-      const PointToSide& one = decided.to_side[begin + std::min(n, count - 1)];
+      const PointToSign& one = decided.to_sign[begin + std::min(n, count - 1)];
       scale[n] = index.scale_at(one.at);
       const std::uint32_t* const corners = tree.corners + std::size_t{3} * one.triangle;
       for (int k = 0; k < 3; ++k) {
@@ -154,7 +154,7 @@ void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, 
     }
     kernels.closest(eight);
     for (std::size_t n = 0; n < count; ++n) {
-      const PointToSide& one = decided.to_side[begin + n];
+      const PointToSign& one = decided.to_sign[begin + n];
       ClosestPoint& at = out[decided.order[begin + n]];
       at.distance = decided.distance[begin + n];
       at.point = Vec3{eight.point[0][n], eight.point[1][n], eight.point[2][n]} * (1 / scale[n]) + one.at;
@@ -175,12 +175,12 @@ MeshQuery::Data::Data(Mesh own, const SignOptions& options, SignPlan planned, in
   distinct = without_many_copies(mesh, plan.exposed, progress);
   if (const auto& some = distinct.empty() ? plan.exposed : distinct; !some.empty())
     counting.emplace(mesh, some, threads, simd, while_built);
-  sides = make_sides_of_points({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
+  signs = make_point_signs({mesh, plan.use}, *all, plan, sign.rule, threads, simd);
 }
 
 const DeviceTree& MeshQuery::Data::device_tree() const {
   const std::lock_guard lock(tree_mutex_);
-  // Isolated: this thread must not take up work that waits for the lock.
+  // Isolation keeps this thread from taking up work that waits for the lock.
   if (!tree_) tbb::this_task_arena::isolate([&] { tree_ = std::make_unique<const DeviceTree>(near()); });
   return *tree_;
 }
@@ -214,7 +214,7 @@ std::int64_t MeshQuery::memory_bytes() const {
                                    data.plan.boundary.edges.capacity() * sizeof(BoundaryEdge) +
                                    data.distinct.capacity() * sizeof(std::uint32_t)) +
          data.all->memory_bytes() + (data.counting ? data.counting->memory_bytes() : 0) +
-         (data.sides ? data.sides->memory_bytes() : 0);
+         (data.signs ? data.signs->memory_bytes() : 0);
 }
 
 void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
@@ -252,10 +252,10 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   const auto answer = [&](std::size_t n) {
     WorkCheck check(progress, kLooks);
-    out[n] = data_->sides->winding_number(points[n], kernels, check);
+    out[n] = data_->signs->winding_number(points[n], kernels, check);
     progress.advance();
   };
-  if (points.size() <= (data_->sides->is_slow() ? 1 : kFewRays)) {
+  if (points.size() <= (data_->signs->is_slow() ? 1 : kFewRays)) {
     for (std::size_t n = 0; n < points.size(); ++n) answer(n);
     return;
   }
@@ -273,7 +273,7 @@ Vec3 MeshQuery::gradient(Vec3 point, const ClosestPoint& at) const try {
   const Vec3 away = (point - at.point) * scale;
   const double distance = length(away);
   const auto corner = [&](int k) { return triple_of((mesh.corner(at.triangle, k) - point) * scale); };
-  // What the way to the surface is off by: nearer than that it has no direction.
+  // Bound the rounding error of the vector to the surface: below it, the vector has no direction.
   double extent = max_norm(point) * scale;
   for (int k = 0; k < 3; ++k) extent = std::max(extent, max_norm(vec_of(corner(k))));
   constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
@@ -284,11 +284,11 @@ Vec3 MeshQuery::gradient(Vec3 point, const ClosestPoint& at) const try {
   }
   const TriangleFrame<double> frame = make_frame(corner(0), corner(1), corner(2), kLeastLengthSqOfCells);
   const Vec3 normal = vec_of(frame.z.g);
-  // A frame turns the corners as it likes: its z axis may be either normal.
+  // A frame may swap the corners, so its z axis may be either normal.
   const Vec3 facing = vec_of(cross(corner(1) - corner(0), corner(2) - corner(0)));
   const int use = OrientedMesh{mesh, data_->plan.use}.use_of(at.triangle);
-  const bool turned = (dot(normal, facing) < 0) != (use < 0);
-  return turned != data_->sign.invert ? normal * -1.0 : normal;
+  const bool is_reversed = (dot(normal, facing) < 0) != (use < 0);
+  return is_reversed != data_->sign.invert ? normal * -1.0 : normal;
 } catch (...) {
   throw_as_error("points");
 }

@@ -85,11 +85,11 @@ void SortedPoints::sort(const TriangleIndex& index, std::span<const Vec3> points
   });
 }
 
-SortedPoints::Keys SortedPoints::keys_of(const cpu::Cell& cell, unsigned eighths) {
+SortedPoints::Keys SortedPoints::keys_of(const cpu::Cell& cell, unsigned octants) {
   const std::uint64_t first = morton(static_cast<std::uint64_t>(cell.low[0]), static_cast<std::uint64_t>(cell.low[1]),
                                      static_cast<std::uint64_t>(cell.low[2]));
   const auto side = static_cast<std::uint64_t>(cell.side);
-  return {first, first + side * side * side * eighths / 8};
+  return {first, first + side * side * side * octants / 8};
 }
 
 std::int64_t SortedPoints::first_at(std::uint64_t key, Range among) const {
@@ -98,8 +98,8 @@ std::int64_t SortedPoints::first_at(std::uint64_t key, Range among) const {
   return at - keyed_.begin();
 }
 
-SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned eighths) const {
-  return {range.begin, first_at(keys_of(cell, eighths).end, range)};
+SortedPoints::Range SortedPoints::first_of(Range range, const cpu::Cell& cell, unsigned octants) const {
+  return {range.begin, first_at(keys_of(cell, octants).end, range)};
 }
 
 std::int64_t SortedPoints::count_in(const cpu::Cell& cell) const {
@@ -116,7 +116,7 @@ cpu::CullCell SortedPoints::cull_cell(const cpu::Cell& cell) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double center = lows[axis] + static_cast<double>(cell.low[axis]) * cell_ + half;
     box.center[axis] = static_cast<float>(center);
-    // A point's cell is rounded, and so is the center: by some millionths of the mesh's size.
+    // The cells of points are rounded, and so is the center: by some millionths of the mesh's size.
     box.half[axis] = static_cast<float>(half + std::abs(center - double{box.center[axis]})) * (1 + 1e-6f) + 1e-4f;
   }
   return box;
@@ -128,16 +128,17 @@ using namespace cpu;
 
 constexpr int kLevels = SortedPoints::kBits + 1;
 
-// The half extents of boxes of points are rounded up by this share, and as many grid units.
+// The half extents of boxes of points are rounded up by this share, and by this number of grid units.
 constexpr float kHalfSlack = 1e-6f;
 
-// When the points of a cell go down the hierarchy alone (is_sparse). All values are measured, and arbitrary within a
-// factor of two. Points for each triangle whose middle is in the cell: smaller cells have the same share.
+// These decide when each point of a cell descends the BVH alone (is_sparse). The values are measured, and arbitrary
+// within a factor of two. Points per triangle whose middle is in the cell; smaller cells have the same share:
 constexpr std::int64_t kFewOfInside = 2;
-// Candidates of the cell for each point, where points are few: smaller cells would have fewer, but not few enough.
+// Candidates of the cell per point, if there are few points; smaller cells would have fewer, but not few enough:
 constexpr std::int64_t kManyCandidates = 12, kFewPoints = 512;
 
-// Points that go down the hierarchy at once, unsorted: what others might share with them does not pay for lists.
+// Up to this number of points descend the BVH unsorted, each alone: the candidates that they share do not pay for
+// lists.
 constexpr std::size_t kFewAlone = 32;
 static_assert(kFewAlone <= PointGroup::kMost);
 
@@ -182,11 +183,11 @@ NearestTriangle answer_of(const PointGroup& group, int n) {
   return {std::sqrt(group.nearest_sq[n]) / group.scale, group.nearest[n]};
 }
 
-// What one thread uses for one group after the other, and keeps for calls to come: lists are large, and taking memory
-// costs more than a few points.
+// The memory that a thread uses for one group after another, and keeps for later calls: the lists are large, and
+// allocating them costs more than answering a few points.
 class ThreadState {
  public:
-  /// Makes the lists ready for a call, each of which has a number of its own. What they hold of other calls is gone.
+  /// Makes the lists ready for a call, which next_call() numbers. Forgets the cells of earlier calls.
   void prepare(const TriangleIndex& index, std::uint64_t call) {
     if (call == call_) return;
     call_ = 0;
@@ -212,7 +213,7 @@ class ThreadState {
 
  private:
   std::optional<CandidateLists> lists_;
-  std::int64_t entries_ = 0;  // of an index whose lists have room here
+  std::int64_t entries_ = 0;  // the lists have room for an index with this number of entries
   std::uint64_t call_ = 0;
 };
 
@@ -236,19 +237,19 @@ class PointBlock {
     visit_parts(level, own, {0, 8}, range, state);
   }
 
-  // Some of the eighths of a cell, one after the other along the curve: all, a half, a quarter or one.
-  struct Eighths {
+  // Octants of a cell that follow each other along the curve: all, a half, a quarter or one of them.
+  struct Octants {
     unsigned first, count;
   };
 
-  void visit_parts(int level, const CellCandidates& own, Eighths parts, SortedPoints::Range range,
+  void visit_parts(int level, const CellCandidates& own, Octants parts, SortedPoints::Range range,
                    ThreadState& state) const {
     if (range.size() == 0) return;
     if (range.size() <= PointGroup::kMost) return answer_group(own, references_of(own.points, parts), range, state);
     if (parts.count == 1) {
-      Cell eighth[8];
-      halves(own.cell, eighth);
-      return visit(level + 1, eighth[parts.first], references_of(own.points, parts), range, state);
+      Cell octant[8];
+      halves(own.cell, octant);
+      return visit(level + 1, octant[parts.first], references_of(own.points, parts), range, state);
     }
     const unsigned half = parts.count / 2, middle = parts.first + half;
     const SortedPoints::Range before = sorted_.first_of(range, own.cell, middle);
@@ -256,8 +257,8 @@ class PointBlock {
     visit_parts(level, own, {middle, half}, {before.end, range.end}, state);
   }
 
-  // Those near the corners of the box of some eighths.
-  static References references_of(const SurfacePoints& points, Eighths parts) {
+  // The surface points near the corners of the box of some octants.
+  static References references_of(const SurfacePoints& points, Octants parts) {
     References near;
     near.count = References::kMost;
     unsigned low[3], length[3];
@@ -272,7 +273,7 @@ class PointBlock {
     return near;
   }
 
-  // The candidates of a cell. Requires that its parent was entered before.
+  // Returns the candidates of a cell. Requires that its parent was entered before.
   const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const {
     CellCandidates& own = lists.levels[static_cast<std::size_t>(level)];
     if (own.cell == cell) return own;
@@ -286,7 +287,7 @@ class PointBlock {
     return own;
   }
 
-  // Of a cell that is not divided.
+  // Answers the points of a cell that is not divided.
   void answer_groups(const CellCandidates& own, const References& near, SortedPoints::Range range,
                      ThreadState& state) const {
     for (; range.size() > PointGroup::kMost; range.begin += PointGroup::kMost)
@@ -310,8 +311,8 @@ class PointBlock {
     take_answers(range, group);
   }
 
-  // Whether a cell has so many triangles that its points have few in common. `range`: those of its points that are
-  // answered now; few of them stand for all.
+  // Whether a cell has too many triangles for its points to share candidates. `range` holds the cell's points that this
+  // task answers; if they are few, all points of the cell are counted.
   bool is_sparse(const CellCandidates& own, SortedPoints::Range range) const {
     const std::int64_t points = range.size() <= kFewPoints ? range.size() : sorted_.count_in(own.cell);
     const CullCell cell = sorted_.cull_cell(own.cell);
@@ -349,14 +350,14 @@ class PointBlock {
   const TriangleIndex& index_;
   const PointKernels& kernels_;
   const SortedPoints& sorted_;
-  std::span<const Vec3> points_;  // in their order
+  std::span<const Vec3> points_;  // in Morton order
   std::span<NearestTriangle> out_;
 };
 
-// Points for each task: many, so that the upper cells cost little; few, so that all threads have some.
+// Points of a task: many, so that the upper cells cost little; few, so that all threads have work.
 constexpr std::int64_t kTask = 4096;
 
-// Each point by itself, in the order that they were given.
+// Answers each point by itself, in the caller's order.
 void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                 FoundTriangles& found) {
   found.order.resize(points.size());

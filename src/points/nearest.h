@@ -19,9 +19,8 @@
 
 namespace standoff {
 
-// A block of points along a Morton curve: the points of a cell are consecutive, and so are those of its parts.
-
-/// The points lie in a cube of kSide^3 cells. Lengths are in grid units relative to the middle of the index.
+/// A block of points sorted along a Morton curve: the points of a cell are consecutive, and so are the points of each
+/// octant. They lie in a cube of kSide^3 cells. Lengths are in grid units relative to the middle of the index.
 class SortedPoints {
  public:
   static constexpr int kBits = 10;
@@ -32,18 +31,18 @@ class SortedPoints {
     std::int64_t size() const { return end - begin; }
   };
 
-  /// Sorts points, in place of those before. `order` becomes the indices of the points in their order, `in_order` the
-  /// points. Far points come last. Up to kAlone points are sorted by the calling thread, more of them on the threads of
-  /// its TBB arena.
+  /// Replaces the points by new ones, and sorts them. `in_order` becomes the points in Morton order, `order` their
+  /// indices in `points`. Points that are not near (TriangleIndex::is_near) come last. The calling thread sorts up to
+  /// kAlone points itself; the threads of its TBB arena sort more of them.
   void sort(const TriangleIndex& index, std::span<const Vec3> points, HugePageVector<std::uint32_t>& order,
             HugePageVector<Vec3>& in_order);
   static constexpr std::size_t kAlone = 1024;
 
-  /// Of those near enough to the mesh for boxes in float; they alone are sorted.
+  /// The number of near points. Only they are sorted.
   std::int64_t size() const { return std::ssize(keyed_); }
 
-  /// What of a range is in the eighths of a cell before number `end` of them, in Morton order. The points of the range
-  /// are in the cell.
+  /// The part of a range that lies in the first `end` octants of a cell, in Morton order. Requires that all points of
+  /// the range are in the cell.
   Range first_of(Range range, const cpu::Cell& cell, unsigned end) const;
   /// How many points are in a cell.
   std::int64_t count_in(const cpu::Cell& cell) const;
@@ -51,11 +50,11 @@ class SortedPoints {
   cpu::CullCell cull_cell(const cpu::Cell& cell) const;
 
  private:
-  // The first key of a cell, and one past those of its first eighths.
+  // The first key of a cell, and one past the last key of its first octants.
   struct Keys {
     std::uint64_t first, end;
   };
-  static Keys keys_of(const cpu::Cell& cell, unsigned eighths);
+  static Keys keys_of(const cpu::Cell& cell, unsigned octants);
   std::int64_t first_at(std::uint64_t key, Range among) const;
 
   HugePageVector<KeyedIndex> keyed_;
@@ -63,35 +62,33 @@ class SortedPoints {
   double cell_ = 1;  // side of a cell
 };
 
-// The search.
-
 struct NearestTriangle {
   double distance = std::numeric_limits<double>::infinity();  ///< world units
-  std::uint32_t triangle = kNoTriangle;                       ///< the lowest of those equally near
+  std::uint32_t triangle = kNoTriangle;                       ///< the lowest index of the triangles at this distance
 };
 
-/// The most points of a call: what is held for sorting them stays in bounds.
+/// The most points of a call: it bounds the memory for sorting them.
 inline constexpr std::size_t kMostPointsAtOnce = std::size_t{1} << 20;
 
-/// Points that are answered together, by one thread.
+/// One thread answers this number of points together.
 inline constexpr std::size_t kTogether = SortedPoints::kAlone;
 
-/// Points in an order in which neighbours are near each other, and their answers. Fewer points than before take no
-/// memory.
+/// Points in an order in which neighbours are near each other, and their answers. Reuse allocates nothing for fewer
+/// points than before.
 struct FoundTriangles {
   SortedPoints sorted;
-  HugePageVector<std::uint32_t> order;  ///< which point of those asked each one is
+  HugePageVector<std::uint32_t> order;  ///< the index of each in the caller's points
   HugePageVector<Vec3> points;
   HugePageVector<NearestTriangle> nearest;
 };
 
-/// Requires at most kMostPointsAtOnce points, all finite. Up to kTogether points are answered by the calling thread,
-/// which takes no memory once it has answered as many before, more of them on the threads of its TBB arena. Advances
-/// the progress by one for each point. Throws Error{interrupted}.
+/// Requires at most kMostPointsAtOnce points, all finite. The calling thread answers up to kTogether points itself, and
+/// allocates nothing once it has answered this number before; the threads of its TBB arena answer more of them.
+/// Advances the progress by one for each point. Throws Error{interrupted}.
 void find_nearest(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress);
 
-/// The same for a single point, which may be anywhere: in double, box by box.
+/// The same for a single point, which may be far from the mesh: the search is in double throughout.
 NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point);
 
 }  // namespace standoff

@@ -17,21 +17,10 @@
 namespace standoff {
 namespace {
 
-// A sum of fields is not worth being made finer, as for samples.
+// Below this tolerance, an exact sum of all caps is as cheap as a finer sum of fields.
 constexpr double kFinest = 1e-9;
-// How many triangles are added up in the time of a boundary's edge: measured, and arbitrary within a factor of two.
+// This many triangles are added up in the time of one boundary edge: measured, and arbitrary within a factor of two.
 constexpr std::size_t kTrianglesOfEdge = 4;
-
-// The leaves among the node and all below it whose fields are not known to `tolerance`; the other fields are added.
-void add_far(const RimTree& tree, std::int32_t number, const Cell& cell, double tolerance, LinearField& far,
-             std::vector<std::int32_t>& near, WorkCheck& check) {
-  check.add(1);
-  const RimTree::Node& node = tree[number];
-  if (add_far_field(node.caps, cell, tolerance, far)) return;
-  if (node.is_leaf()) return near.push_back(number);
-  add_far(tree, number + 1, cell, tolerance, far, near, check);
-  add_far(tree, node.right, cell, tolerance, far, near, check);
-}
 
 }  // namespace
 
@@ -47,25 +36,14 @@ OpenPointWinding::OpenPointWinding(const OrientedMesh& mesh, const TriangleIndex
       cap_index_(std::make_unique<TriangleIndex>(caps_, std::span<const std::uint32_t>{}, threads, simd)) {}
 
 std::int32_t OpenPointWinding::closed(Vec3 point, const cpu::PointKernels& kernels) const {
-  // Closed are only both together: one way for both.
-  const RayWay way = mesh_.shortest(point);
-  return mesh_.at(point, way, kernels) + RayWinding({caps_}, *cap_index_).at(point, way, kernels);
+  // Only mesh and caps together are closed, so both need the same ray.
+  const RayDirection direction = mesh_.shortest(point);
+  return mesh_.at(point, direction, kernels) + RayWinding({caps_}, *cap_index_).at(point, direction, kernels);
 }
 
 Interval OpenPointWinding::cap_sum(Vec3 point, double tolerance, WorkCheck& check) const {
-  const KeptByThread<std::vector<std::int32_t>> near;
-  near->clear();
-  LinearField far;
-  far.center = point;
-  if (!tree_.nodes().empty()) add_far(tree_, 0, {point, {}, 0}, tolerance, far, *near, check);
-  Interval sum{far.value, far.error};
-  for (const std::int32_t leaf : *near) {
-    check.add(1);
-    const CapAngle angle = cap_angle(rims_[static_cast<std::size_t>(tree_[leaf].rim)], point);
-    sum.value += angle.value;
-    sum.error += angle.error;
-  }
-  return sum;
+  NodeStack stack(tree_, check);
+  return cap_sum_at(rims_, tree_, point, tolerance, stack);
 }
 
 std::optional<double> OpenPointWinding::sum_of_triangles(Vec3 point, const cpu::PointKernels& kernels) const {
@@ -80,7 +58,7 @@ std::optional<double> OpenPointWinding::sum_of_triangles(Vec3 point, const cpu::
     sum += angles.around[n] + std::atan2(angles.im[n], angles.re[n]) / (2 * std::numbers::pi);
   for (int n = 0; n < angles.flat_count; ++n) {
     const std::array<Vec3, 3> t = oriented_.corners(angles.flat[n]);
-    sum += 0.5 * side_of_plane(t[0], t[2], t[1], point);  // 1 on the inner side, where the corners turn clockwise
+    sum += 0.5 * side_of_plane(t[0], t[2], t[1], point);  // 1 on the inner side, which sees the corners clockwise
   }
   return sum;
 }
@@ -94,27 +72,28 @@ double OpenPointWinding::at(Vec3 point, const cpu::PointKernels& kernels, WorkCh
 }
 
 template <class Closed>
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, double most, const Closed& closed_of,
-                            WorkCheck& check) const {
+bool OpenPointWinding::is_inside(Vec3 point, WindingRule rule, double most, const Closed& closed_of,
+                                 WorkCheck& check) const {
   for (double tolerance = kFieldTolerance;;) {
     const Interval angles = cap_sum(point, tolerance, check);
     const double winding = closed_of(angles.value) + angles.value, off = angles.error + kWindingRounding,
                  allowed = std::min(margin(winding, rule), most);
-    if (tolerance == 0 || off < allowed) return is_inside(winding, rule);
-    // Errors are sums of many: about as much smaller as each of them, and never quite.
+    if (tolerance == 0 || off < allowed) return standoff::is_inside(winding, rule);
+    // The error is the sum of many. It shrinks almost in proportion to the tolerance: aim at half of the allowed error.
     tolerance = tolerance > kFinest ? tolerance * std::clamp(allowed / off / 2, 1.0 / 64, 1.0 / 16) : 0;
   }
 }
 
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels, WorkCheck& check) const {
+bool OpenPointWinding::is_inside(Vec3 point, WindingRule rule, const cpu::PointKernels& kernels,
+                                 WorkCheck& check) const {
   const std::int32_t whole = closed(point, kernels);
-  return side(
+  return is_inside(
       point, rule, std::numeric_limits<double>::infinity(), [&](double) { return whole; }, check);
 }
 
-bool OpenPointWinding::side(Vec3 point, WindingRule rule, const Interval& about, WorkCheck& check) const {
+bool OpenPointWinding::is_inside(Vec3 point, WindingRule rule, const Interval& about, WorkCheck& check) const {
   // The whole part is right if both errors together are below 1/2.
-  return side(
+  return is_inside(
       point, rule, 0.49 - about.error, [&](double angles) { return std::round(about.value - angles); }, check);
 }
 
@@ -129,23 +108,23 @@ std::int64_t OpenPointWinding::memory_bytes() const {
 
 namespace {
 
-// A cell's function must say the winding number but for so much: two of them together, less than half.
+// The largest error of a cell's function: the errors of two functions must add up to less than 1/2.
 constexpr double kUsable = 0.2;
-// Fewer points are decided one by one.
-constexpr std::size_t kFewCells = 4;
+// Fewer points than this are decided one by one.
+constexpr std::size_t kFewPointsOfCell = 4;
 
 }  // namespace
 
-// The points of one call. Those that are decided together, in a cell, are the numbers in `some`.
-class OpenSides::Points {
+// The points of one call. `Some` lists the points that are decided together, in a cell, by their indices.
+class OpenPointSigns::Points {
  public:
-  // What the points of one call after the other take.
+  // The memory that calls share.
   struct Memory {
     std::vector<std::uint32_t> some, high;
     std::vector<std::int32_t> windings;
   };
 
-  Points(const OpenSides& sides, std::span<const PointToSide> points, const cpu::PointKernels& kernels,
+  Points(const OpenPointSigns& sides, std::span<const PointToSign> points, const cpu::PointKernels& kernels,
          WorkCheck& check, std::span<bool> inside, Memory& memory)
       : winding_(sides.winding_),
         rule_(sides.rule_),
@@ -165,10 +144,10 @@ class OpenSides::Points {
   }
 
  private:
-  // In cells that the boundary is far enough from.
+  // Halves the points until the boundary is far enough from their cell.
   void decide(Some some) {
-    if (some.size() < kFewCells) {
-      for (const std::uint32_t n : some) inside_[n] = winding_.side(points_[n].at, rule_, kernels_, check_);
+    if (some.size() < kFewPointsOfCell) {
+      for (const std::uint32_t n : some) inside_[n] = winding_.is_inside(points_[n].at, rule_, kernels_, check_);
       return;
     }
     const Cell cell = cell_around(some);
@@ -182,19 +161,21 @@ class OpenSides::Points {
     decide_by(field, some);
   }
 
-  // The whole numbers in a cell without boundary: they continue that of the center, where they are those of mesh and
-  // caps. All rows between points of the cell are in it.
+  // Finds the whole numbers in a cell that the boundary does not reach. At the center it is the number of mesh and
+  // caps; the other points continue it like the number of a closed mesh, as all rows between points of the cell lie in
+  // it.
   void count(Some some, const Vec3& center) {
-    KnownWindings known(winding_.mesh(), kernels_);
-    known.in_ball(center, 0, [&](const Vec3& at) { return winding_.closed(at, kernels_); });
+    WindingCache cache(winding_.mesh(), kernels_);
+    cache.in_ball(center, 0, [&](const Vec3& at) { return winding_.closed(at, kernels_); });
     for (const std::uint32_t n : some) {
-      const auto by_rows = [&](const Vec3& at) { return known.by_rows(at); };
-      memory_.windings[n] = known.in_ball(points_[n].at, points_[n].free_radius,
-                                          [&](const Vec3& at) { return known.on_row(at, by_rows); });
+      const auto by_rows = [&](const Vec3& at) { return cache.by_rows(at); };
+      memory_.windings[n] = cache.in_ball(points_[n].at, points_[n].free_radius,
+                                          [&](const Vec3& at) { return cache.on_row(at, by_rows); });
     }
   }
 
-  // Of those whose whole numbers are known, as the function continues them.
+  // Decides points whose whole numbers are known, by the function of their cell; refines where its error hides the
+  // sign.
   void decide_by(const LinearField& field, Some some) {
     std::size_t undecided = 0;
     for (const std::uint32_t n : some) {
@@ -205,7 +186,7 @@ class OpenSides::Points {
     refine(field, some.first(undecided));
   }
 
-  // Those that the function of a cell left undecided, by those of its parts.
+  // Decides the points that the function of a cell left open, by the functions of its halves.
   void refine(const LinearField& coarse, Some some) {
     if (some.empty()) return;
     const auto [low, high] = halves(some, cell_around(some));
@@ -214,17 +195,17 @@ class OpenSides::Points {
   }
 
   void decide_part(const LinearField& coarse, Some some) {
-    if (some.size() < kFewCells) {
+    if (some.size() < kFewPointsOfCell) {
       for (const std::uint32_t n : some) {
         const Vec3& at = points_[n].at;
-        inside_[n] = winding_.side(at, rule_, {memory_.windings[n] + coarse.at(at), coarse.error}, check_);
+        inside_[n] = winding_.is_inside(at, rule_, {memory_.windings[n] + coarse.at(at), coarse.error}, check_);
       }
       return;
     }
     const Cell cell = cell_around(some);
     const LinearField field = winding_.field(cell, std::min(kFieldTolerance, coarse.error / 64), coarse.error, check_);
     if (!(field.error <= coarse.error)) return refine(coarse, some);
-    // Both are the same winding number but for a whole one.
+    // Both functions describe the same winding number up to a whole number.
     const auto between = static_cast<std::int32_t>(std::round(coarse.at(cell.center) - field.value));
     for (const std::uint32_t n : some) memory_.windings[n] += between;
     decide_by(field, some);
@@ -241,7 +222,7 @@ class OpenSides::Points {
   struct Halves {
     Some low, high;
   };
-  // Cut across the longest side of their cell, their order kept.
+  // Halves the points across the longest side of their cell, and keeps their order.
   Halves halves(Some some, const Cell& cell) const {
     const Vec3& e = cell.half;
     double Vec3::*const axis = e.x >= e.y && e.x >= e.z ? &Vec3::x : e.y >= e.z ? &Vec3::y : &Vec3::z;
@@ -253,21 +234,21 @@ class OpenSides::Points {
       else
         memory_.high.push_back(n);
     std::ranges::copy(memory_.high, some.begin() + static_cast<std::ptrdiff_t>(count));
-    if (count == 0 || count == some.size()) count = some.size() / 2;  // all in one place
+    if (count == 0 || count == some.size()) count = some.size() / 2;  // all points are in one place
     return {some.first(count), some.subspan(count)};
   }
 
   const OpenPointWinding& winding_;
   const WindingRule rule_;
-  const std::span<const PointToSide> points_;
+  const std::span<const PointToSign> points_;
   const cpu::PointKernels& kernels_;
   WorkCheck& check_;
   const std::span<bool> inside_;
   Memory& memory_;
 };
 
-void OpenSides::decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
-                       std::span<bool> inside) const {
+void OpenPointSigns::decide(std::span<const PointToSign> points, const cpu::PointKernels& kernels, WorkCheck& check,
+                            std::span<bool> inside) const {
   const KeptByThread<Points::Memory> memory;
   Points(*this, points, kernels, check, inside, *memory).decide_all();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points are inside: by the winding number of a closed mesh, by what is known of points nearby, and by the
-// planned method.
+// The signs of points by the planned method. For closed meshes: winding numbers by exact rays, and a cache that
+// continues them to points nearby.
 #pragma once
 
 #include <algorithm>
@@ -21,129 +21,130 @@ namespace standoff {
 
 // The winding number of a closed mesh at a point: the crossings of a ray from the point, counted exactly.
 
-/// The direction of a ray: along an axis, 0 to 2, towards larger or smaller coordinates.
-struct RayWay {
+/// A ray runs along an axis, 0 to 2, up to larger coordinates or down to smaller ones.
+struct RayDirection {
   int axis;
   bool up;
 };
 
-/// The vector in coordinates whose first axis is `axis`; the other two follow in a circle.
-inline Vec3 turned(const Vec3& v, int axis) {
+/// The coordinates in cyclic order, `axis` first.
+inline Vec3 cycled(const Vec3& v, int axis) {
   return axis == 0 ? v : axis == 1 ? Vec3{v.y, v.z, v.x} : Vec3{v.z, v.x, v.y};
 }
 
 class RayWinding {
  public:
-  /// Requires the index of all triangles of mesh.mesh; both outlive this.
+  /// Requires that `index` holds all triangles of mesh.mesh; both outlive this.
   RayWinding(const OrientedMesh& mesh, const TriangleIndex& index);
 
-  /// The same numbers, with the same symbolic perturbation, as rows of samples have (sign/rows/ray_crossing.h). Of a
-  /// mesh that is closed but for its orientation, the parity is right.
+  /// The winding number at a point: with the symbolic perturbation of sign/rows/ray_crossing.h, so it equals the number
+  /// of a sample in the same place. If only the orientation of the mesh is inconsistent, the parity is right.
   std::int32_t at(Vec3 point, const cpu::PointKernels& kernels) const { return at(point, shortest(point), kernels); }
-  /// What the ray that way says: for meshes that are closed only together, which must be asked the same way.
-  std::int32_t at(Vec3 point, RayWay way, const cpu::PointKernels& kernels) const;
-  /// The way on which a ray leaves the mesh's box soonest.
-  RayWay shortest(Vec3 point) const;
-  /// The number at the point less the one where its coordinate `axis` is `other`: the crossings between the two.
+  /// The same by a ray in a given direction. Two meshes that are closed only together need the same direction.
+  std::int32_t at(Vec3 point, RayDirection direction, const cpu::PointKernels& kernels) const;
+  /// The direction in which a ray leaves the mesh's box soonest.
+  RayDirection shortest(Vec3 point) const;
+  /// The number at `point` minus the number where the point's coordinate `axis` is `other`: it counts the crossings
+  /// between the two.
   std::int32_t beyond(int axis, double other, Vec3 point, const cpu::PointKernels& kernels) const;
 
  private:
-  // Calls use(triangle, how often it counts) for the triangles whose boxes a row meets between two local points, along
-  // an axis. The points may be anywhere.
+  // Calls use(triangle, how often it counts) for each triangle whose box meets a segment along an axis: the row through
+  // `local` between the coordinates `from` and `to`, which may be infinite.
   template <class Use>
   void for_each_between(int axis, const Vec3& local, double from, double to, const cpu::PointKernels& kernels,
                         const Use& use) const;
 
   const OrientedMesh mesh_;
   const TriangleIndex& index_;
-  Vec3 low_, high_;  // of the box around all, local
+  Vec3 low_, high_;  // the box around all triangles, local
 };
 
-// Winding numbers of points, whole ones that change at triangles alone: what is known of one point tells those of
-// others.
-
-/// The points that were asked last. Numbers are those of the points that symbolic perturbation makes of them
-/// (sign/rows/ray_crossing.h).
-class KnownWindings {
+/// The winding numbers of the last points that were asked. The number of a closed mesh changes at triangles only, so a
+/// known number continues to other points: within an empty ball unchanged, and along a row by the triangles crossed.
+/// Points are perturbed symbolically (sign/rows/ray_crossing.h).
+class WindingCache {
  public:
-  /// Of the mesh that `rays` cross; both are kept by reference.
-  KnownWindings(const RayWinding& rays, const cpu::PointKernels& kernels) : rays_(rays), kernels_(kernels) {}
+  /// For the mesh of `rays`; keeps both arguments by reference.
+  WindingCache(const RayWinding& rays, const cpu::PointKernels& kernels) : rays_(rays), kernels_(kernels) {}
 
-  /// The number at the center of a ball without triangles, from a known ball that overlaps it. If there is none, from
-  /// otherwise(at). It is known from then on.
+  /// The number at the center of a ball without triangles: the number of a known ball that overlaps it, else
+  /// otherwise(at). The ball is known from then on.
   template <class Otherwise>
   std::int32_t in_ball(const Vec3& at, double radius, const Otherwise& otherwise) {
-    const Known own{at, radius - 1e-12 * (radius + max_norm(at)), 0};  // radii are off by some 1e-16 of the coordinates
-    const Known* const same = overlapping(own);
+    const Ball own{at, radius - 1e-12 * (radius + max_norm(at)), 0};  // radii are off by some 1e-16 of the coordinates
+    const Ball* const same = overlapping(own);
     const std::int32_t winding = same ? same->winding : otherwise(at);
-    if (!same || own.radius > same->radius) add({own.at, own.radius, winding});  // else it says less about others
+    // A smaller ball than the known one is not worth a place.
+    if (!same || own.radius > same->radius) add({own.at, own.radius, winding});
     return winding;
   }
-  /// The number at a point that no known ball overlaps: from one that is on one of the point's rows, by the crossings
-  /// between the two. If there is none, from otherwise(at).
+  /// The number at a point outside all known balls: the number of a known ball that a row through the point meets, plus
+  /// the crossings between the two. If no row meets one, otherwise(at).
   template <class Otherwise>
   std::int32_t on_row(const Vec3& at, const Otherwise& otherwise) const {
     const OnRow nearest = nearest_on_rows(at);
-    if (!nearest.known) return otherwise(at);
-    const double there = turned(nearest.known->at, nearest.axis).x;
-    return nearest.known->winding + rays_.beyond(nearest.axis, there, at, kernels_);
+    if (!nearest.ball) return otherwise(at);
+    const double there = cycled(nearest.ball->at, nearest.axis).x;
+    return nearest.ball->winding + rays_.beyond(nearest.axis, there, at, kernels_);
   }
-  /// The same from the nearest known point, by a row along each axis. Requires that one is known.
+  /// The number at a point from the nearest known center: three rows, one along each axis, lead there. Requires that a
+  /// ball is known.
   std::int32_t by_rows(const Vec3& at) const;
 
  private:
-  struct Known {
+  // A ball without triangles; if its radius is not positive, only the number at its center is known.
+  struct Ball {
     Vec3 at;
-    double radius;  // of a ball without triangles; not positive if none is known
+    double radius;
     std::int32_t winding;
   };
-  // A known ball on a row of a point, along which axis.
+  // A known ball that a row through a point meets, and the row's axis.
   struct OnRow {
-    const Known* known;
+    const Ball* ball;
     int axis;
   };
 
-  std::span<const Known> all() const { return std::span(known_).first(std::min(count_, known_.size())); }
-  void add(const Known& one);
-  const Known* overlapping(const Known& own) const;
+  std::span<const Ball> all() const { return std::span(balls_).first(std::min(count_, balls_.size())); }
+  void add(const Ball& one);
+  const Ball* overlapping(const Ball& own) const;
   OnRow nearest_on_rows(const Vec3& at) const;
 
   const RayWinding& rays_;
   const cpu::PointKernels& kernels_;
-  std::array<Known, 8> known_;
-  std::size_t count_ = 0;  // of all that were added; the oldest one makes room
+  std::array<Ball, 8> balls_;
+  std::size_t count_ = 0;  // all balls that were ever added: a new one replaces the oldest
 };
 
-// Which points are inside, by the planned method.
-
-/// A point whose nearest triangle is known. `free_radius`: nearer than that there is no triangle, world units.
-struct PointToSide {
+/// A point whose nearest triangle is known.
+struct PointToSign {
   Vec3 at;
-  double free_radius;
+  double free_radius;  ///< no triangle is nearer, world units
   std::uint32_t triangle;
 };
 
-class SidesOfPoints {
+/// Decides which points are inside.
+class PointSigns {
  public:
-  SidesOfPoints() = default;
-  SidesOfPoints(const SidesOfPoints&) = delete;
-  SidesOfPoints& operator=(const SidesOfPoints&) = delete;
-  virtual ~SidesOfPoints() = default;
+  PointSigns() = default;
+  PointSigns(const PointSigns&) = delete;
+  PointSigns& operator=(const PointSigns&) = delete;
+  virtual ~PointSigns() = default;
 
-  /// Decides for each of some points, which had better be near each other. Points on the surface get one of its sides.
-  /// Many threads may ask at once. `check` counts work in some 100 ns, and may stop it.
-  virtual void decide(std::span<const PointToSide> points, const cpu::PointKernels& kernels, WorkCheck& check,
+  /// Decides which of the points are inside; it is fastest if they are near each other. A point on the surface gets
+  /// either answer. Many threads may call this at once. `check` counts work in units of some 100 ns, and may stop it.
+  virtual void decide(std::span<const PointToSign> points, const cpu::PointKernels& kernels, WorkCheck& check,
                       std::span<bool> inside) const = 0;
-  /// The winding number that decides; only of SignMethod::winding.
+  /// The winding number that decides. Throws Error{usage} unless the method is SignMethod::winding.
   virtual double winding_number(Vec3 point, const cpu::PointKernels& kernels, WorkCheck& check) const;
-  /// Whether winding numbers take so long that threads had better share few of them.
+  /// Whether winding numbers take so long that even a few are worth several threads.
   virtual bool is_slow() const { return false; }
   virtual std::int64_t memory_bytes() const { return 0; }
 };
 
-/// Null if the plan has no sign, or its method changes distances alone. `index` is that of all triangles. All that is
-/// given is kept by reference. Runs on the threads of the calling TBB arena.
-std::unique_ptr<SidesOfPoints> make_sides_of_points(const OrientedMesh& mesh, const TriangleIndex& index,
-                                                    const SignPlan& plan, WindingRule rule, int threads, Simd simd);
+/// Null if the plan has no sign, or its method only changes distances. `index` holds all triangles. Keeps all arguments
+/// by reference. Runs on the threads of the calling TBB arena.
+std::unique_ptr<PointSigns> make_point_signs(const OrientedMesh& mesh, const TriangleIndex& index, const SignPlan& plan,
+                                             WindingRule rule, int threads, Simd simd);
 
 }  // namespace standoff

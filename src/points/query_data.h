@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a MeshQuery has prepared.
+// The data that a MeshQuery prepares.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,24 @@ namespace standoff {
 
 struct MeshQuery::Data {
   /// Requires a valid mesh within kMaxCoordinate, and a plan that fits it. Runs on the threads of the calling TBB
-  /// arena. `while_built` is called many times before it is done, and may throw to end that.
+  /// arena. Calls `while_built` many times, which may throw to stop the work.
   Data(Mesh mesh, const SignOptions& sign, SignPlan plan, int threads, Simd simd,
        const ProgressCallback& while_built = {});
 
-  /// Of the triangles that count for distances: with SignOptions::outer not all, and no copies where they are many.
+  /// The index of the triangles that count for distances: SignOptions::outer excludes hidden ones, and copies of
+  /// triangles are excluded if they are many.
   const TriangleIndex& near() const { return counting ? *counting : *all; }
 
-  /// What a device is given of near(); made on first use.
+  /// The tree of near() for a device; made on first use.
   const DeviceTree& device_tree() const;
 
   Mesh mesh;
   SignOptions sign;
   SignPlan plan;
-  std::vector<std::uint32_t> distinct;  ///< of plan.exposed, or of all, those without copies of others; empty: the same
+  /// The triangles of plan.exposed, or of the mesh, without copies of others; empty if none is left out.
+  std::vector<std::uint32_t> distinct;
   std::optional<TriangleIndex> all, counting;
-  std::unique_ptr<SidesOfPoints> sides;
+  std::unique_ptr<PointSigns> signs;
 
  private:
   mutable std::mutex tree_mutex_;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Queries in files: the mesh and what was decided about its sign, which takes long to find out. Boxes and the like are
-// built again, which takes no longer than reading them would.
+// A saved query holds the mesh and the decisions about its sign, which take long to find. The BVH is built again, which
+// takes no longer than reading it would.
 //
-// What is read is not believed: sizes are checked against the file's, indices against the mesh, and the boundary of an
-// open mesh is found again. So a damaged or hostile file is an error or a query with wrong signs, but never an access
-// out of range.
+// The reader trusts nothing: it checks sizes against the file's size, indices against the mesh, and finds the boundary
+// of an open mesh again. A damaged or hostile file gives an error or a query with wrong signs, but never an access out
+// of range.
 #include "points/query_file.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ constexpr std::uint64_t kLongestWhy = 4096;
 struct QueryHeader {
   char magic[8];
   std::uint32_t version;
-  std::uint8_t method, rule, invert, outer;  // as in SignOptions; the method that was used
+  std::uint8_t method, rule, invert, outer;  // as in SignOptions, but `method` is the one that was used
   std::uint8_t sure, open, padding[6];       // open: the method needs the boundary of an open mesh
   double shell;
   std::int64_t flipped, left_out, boundary_edges, internal, cut;  // as in SignReport

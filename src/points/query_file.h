@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Queries in files, for read_query() and for the fuzzer, whose changed bytes would end at the checksum.
+// Queries in files, for read_query(), and for the fuzzer: its bytes never match the checksum, so it ignores that.
 #pragma once
 
 #include "files/array_file.h"
@@ -7,7 +7,7 @@
 
 namespace standoff {
 
-/// The query in a file's bytes. Errors: input.
+/// Reads a query. Throws Error{input}.
 MeshQuery read_query_file(const FileView& file, ArrayChecksum checksum);
 
 }  // namespace standoff

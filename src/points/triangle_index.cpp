@@ -18,7 +18,8 @@ namespace {
 // A cube of samples around the triangles.
 Grid grid_around(const Box& box) {
   const double side = box.longest_side();
-  // Of a point's box, any; else far above where the spacing's own rounding would matter.
+  // Any spacing fits the box of a single point. Otherwise the side must be far above the smallest number, where
+  // rounding would spoil the spacing.
   const double spacing = side > std::numeric_limits<double>::min() * 1e6 ? side / (TriangleIndex::kSide - 1) : 1;
   const double reach = spacing * (TriangleIndex::kSide - 1) / 2;
   constexpr std::int64_t n = TriangleIndex::kSide;

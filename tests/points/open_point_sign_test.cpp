@@ -142,7 +142,7 @@ std::vector<Case> cases() {
           {"odd rim", odd_rim()}};
 }
 
-TEST(OpenSides, CloudsOfAllSizes) {
+TEST(OpenPointSigns, CloudsOfAllSizes) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
     int compared = 0, asked = 0;
@@ -157,7 +157,7 @@ TEST(OpenSides, CloudsOfAllSizes) {
 }
 
 // So many in so little space that single cells decide hundreds: across the surface, and beside the boundary.
-TEST(OpenSides, ManyPointsInOneCell) {
+TEST(OpenPointSigns, ManyPointsInOneCell) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
     EXPECT_GT(expect_sides(mesh, clouds(mesh, 9, {0.05, 3, 1500})), 0);
@@ -166,7 +166,7 @@ TEST(OpenSides, ManyPointsInOneCell) {
 }
 
 // Where the winding number is 1/2: on a surface that the boundary spans, through the middle of a bowl's hole.
-TEST(OpenSides, AroundTheThreshold) {
+TEST(OpenPointSigns, AroundTheThreshold) {
   const Mesh bowl = nested_bowls();
   Random random(11);
   const MeshQuery query(bowl, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
@@ -185,7 +185,7 @@ TEST(OpenSides, AroundTheThreshold) {
   EXPECT_GT(expect_sides(bowl, points), 200);
 }
 
-TEST(OpenSides, AloneAndTogether) {
+TEST(OpenPointSigns, AloneAndTogether) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
     expect_alone_as_together(mesh, clouds(mesh, 12, {0.1, 4, 300}), 7);
@@ -193,7 +193,7 @@ TEST(OpenSides, AloneAndTogether) {
 }
 
 // From where a ray meets the mesh, and far beyond what squares of lengths can be.
-TEST(OpenSides, FarPoints) {
+TEST(OpenPointSigns, FarPoints) {
   const Mesh mesh = nested_bowls();
   std::vector<Vec3> points = clouds(mesh, 14, {30, 1, 500});
   EXPECT_GT(expect_sides(mesh, points), 1000);
@@ -264,7 +264,7 @@ void expect_winding_numbers(const Mesh& mesh, std::span<const Vec3> points) {
 // What a cell's center takes for its side of the cap counts for all of the cell. A cap is a fan of triangles around an
 // apex: centers are within them, on the apex, and on the edges between two. There, solid angles are lost in rounding:
 // such a center is not among the points.
-TEST(OpenSides, CentersOfCellsOnCaps) {
+TEST(OpenPointSigns, CentersOfCellsOnCaps) {
   for (const auto& [name, mesh] : {Case{"box", box_without_lid()}, Case{"bowl", bowl()}}) {
     SCOPED_TRACE(name);
     const Rims rims(net_boundary({mesh}, MeshEdges(mesh)));
@@ -303,7 +303,7 @@ TEST(OpenSides, CentersOfCellsOnCaps) {
 
 // Rows along the axes that pass exactly through corners and edges: of the mesh, between points of a cell, and of the
 // hole's rim, beyond them.
-TEST(OpenSides, RowsThroughCornersAndEdges) {
+TEST(OpenPointSigns, RowsThroughCornersAndEdges) {
   const Mesh open = box_without_lid(), round = bowl(), holed = box_with_a_hole_in_its_lid();
   const auto expect_all = [](const Mesh& mesh, const Vec3& center, double step) {
     SCOPED_TRACE(::testing::Message() << center.x << ' ' << center.y << ' ' << center.z << ", step " << step);

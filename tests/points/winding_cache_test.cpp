@@ -47,12 +47,12 @@ std::vector<Vec3> points_around(unsigned seed) {
 
 const cpu::PointKernels& kernels() { return cpu::point_kernels_for(Simd::automatic); }
 
-TEST(KnownWindings, ByRows) {
+TEST(WindingCache, ByRows) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
     const TriangleIndex index(mesh, {}, 1, Simd::automatic);
     const RayWinding rays({mesh}, index);
-    KnownWindings known(rays, kernels());
+    WindingCache known(rays, kernels());
     const std::vector<Vec3> points = points_around(1);
     const auto by_ray = [&](const Vec3& at) { return rays.at(at, kernels()); };
     known.in_ball(points[0], 0, by_ray);
@@ -68,14 +68,14 @@ TEST(KnownWindings, ByRows) {
   }
 }
 
-TEST(KnownWindings, OnRow) {
+TEST(WindingCache, OnRow) {
   constexpr std::int32_t kNone = 99;
   const auto none = [](const Vec3&) { return kNone; };
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
     const TriangleIndex index(mesh, {}, 1, Simd::automatic);
     const RayWinding rays({mesh}, index);
-    KnownWindings known(rays, kernels());
+    WindingCache known(rays, kernels());
     const std::vector<Vec3> points = points_around(2);
     std::vector<double> free(points.size());
     MeshQuery(mesh).distances(points, free);

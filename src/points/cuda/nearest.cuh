@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nearest triangles of points on a GPU: a thread per point walks the tree, the nearer child first. Boxes are looked
-// at in float, and never taken for farther than their triangles are; triangles are measured in double by the CPU's own
-// arithmetic (geometry/triangle_distance.h), and of equally near ones the lowest index is taken. So the bits are the
-// CPU's, whatever the order in which boxes are visited.
+// The nearest triangles of points on a GPU: a thread per point walks the tree, the nearer child first. Distances of
+// boxes are lower bounds in float. Triangles are measured in double by the CPU's own arithmetic
+// (geometry/triangle_distance.h), and the lowest index wins among equally near ones. So the bits equal the CPU's, in
+// whatever order boxes are visited.
 //
-// A thread each, and no warp: queries at points take about as long as each other, there are enough of them to fill a
-// GPU, and sorted points make the threads of a warp go the same ways.
+// Each point has a thread, not a warp: queries take about the same time, there are enough of them to fill a GPU, and
+// sorted points make the threads of a warp visit the same nodes.
 #pragma once
 
 #include <limits>
@@ -21,10 +21,10 @@ namespace standoff::STANDOFF_PLATFORM {
 
 inline constexpr unsigned kNearestThreads = 128;
 
-/// What the kernel reads. Pointers are to device memory.
+/// The kernel's arguments. Pointers are to device memory.
 struct NearestTask {
   const DeviceTree::Node* nodes;
-  const double* corners;  ///< nine an entry
+  const double* corners;  ///< nine numbers per entry
   const std::uint32_t* indices;
   std::uint32_t triangles, leaves;
   double center[3], scale;
@@ -78,13 +78,13 @@ class NearestSearch {
   };
   // One for each level above the leaves; there are at most 2^30 leaves.
   static constexpr int kMostWaiting = 32;
-  // Of the largest coordinate: four times what rounding a point to float takes, and far more than what the double
-  // arithmetic of a distance does.
+  // A share of the largest coordinate: four times the error of rounding a point to float, and far more than the error
+  // of a distance in double.
   static constexpr float kSlack = 0x1p-22f;
-  // Of a squared distance: what its float arithmetic, and rounding the best one to float, may take.
+  // A share of a squared distance: covers its float arithmetic, and the rounding of the best distance to float.
   static constexpr float kShare = 0x1p-20f;
 
-  // At most that of any triangle in it.
+  // A lower bound of the squared distances of the node's triangles.
   STANDOFF_DEVICE float box_distance_sq(std::uint32_t node) const {
     const DeviceTree::Node& box = task_.nodes[node];
     float sum = 0;
@@ -116,7 +116,7 @@ class NearestSearch {
   Triple<double> point_;
   float local_[3], slack_;
   DeviceNearest best_{std::numeric_limits<double>::infinity(), kNoTriangle};
-  float best_bound_ = std::numeric_limits<float>::infinity();  // of best_.distance_sq, no less
+  float best_bound_ = std::numeric_limits<float>::infinity();  // at least best_.distance_sq
 };
 
 STANDOFF_KERNEL void __launch_bounds__(kNearestThreads) nearest_triangles(NearestTask task) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands for queries at points on CUDA where standoff is built without a CUDA compiler: it says so.
+// Replaces points.cu in a build without a CUDA compiler: queries on CUDA throw an error that says so.
 #include "gpu/devices.h"
 #include "points/cuda/points.h"
 #include "standoff/error.h"

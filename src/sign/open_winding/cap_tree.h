@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "core/threads.h"
 #include "sign/cpu/kernels.h"
 #include "sign/open_winding/caps.h"
 
@@ -83,6 +84,7 @@ class NodeStack {
 
   /// Every sum of caps takes a stack: it counts the work, and may stop it.
   NodeStack(const RimTree& tree, WorkCheck& check) : tree_(tree), check_(check) {
+    nodes_.clear();
     if (!tree.nodes().empty()) nodes_.push_back(0);
   }
 
@@ -114,7 +116,7 @@ class NodeStack {
   }
 
   /// Adds the fields of nodes of `part` whose error in the cell is at most `tolerance`, and returns the others, on top
-  /// of the stack. Opens nodes that are larger than `open_above`.
+  /// of the stack. Opens nodes that are not smaller than `open_above`: with 0, all others are leaves.
   Part add_far(Part part, const Cell& cell, double tolerance, double open_above, LinearField& sum) {
     const std::size_t begin = nodes_.size();
     for (std::size_t n = part.begin; n < part.end; ++n) add_far(nodes_[n], cell, tolerance, open_above, sum);
@@ -126,14 +128,15 @@ class NodeStack {
     count(1);
     const RimTree::Node& caps = tree_[node];
     if (add_far_field(caps.caps, cell, tolerance, sum)) return;
-    if (caps.is_leaf() || caps.caps.radius <= open_above) return nodes_.push_back(node);
+    if (caps.is_leaf() || caps.caps.radius < open_above) return nodes_.push_back(node);
     add_far(node + 1, cell, tolerance, open_above, sum);
     add_far(caps.right, cell, tolerance, open_above, sum);
   }
 
   const RimTree& tree_;
   WorkCheck& check_;
-  std::vector<std::int32_t> nodes_;
+  const KeptByThread<std::vector<std::int32_t>> kept_;
+  std::vector<std::int32_t>& nodes_ = *kept_;
 };
 
 /// A part of the winding number, and a bound of its error.

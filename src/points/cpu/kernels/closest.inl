@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel that finds the closest points of triangles that are known to be the nearest.
+// The kernel that finds the closest points of the nearest triangles.
 #pragma once
 
 #include "geometry/triangle_distance.h"
@@ -13,7 +13,7 @@ using namespace standoff::STANDOFF_TARGET;
 
 namespace {
 
-// Numbers that are no NaN.
+// Requires that no coordinate is NaN.
 STANDOFF_INLINE DoubleMask equal(const DoublePoint& a, const DoublePoint& b) {
   return negated(less(a.x, b.x) | less(b.x, a.x) | less(a.y, b.y) | less(b.y, a.y) | less(a.z, b.z) | less(b.z, a.z));
 }
@@ -24,7 +24,7 @@ void closest(ClosestOfEight& eight) {
   const WideDouble zero(0.0), one(1.0);
   const DoublePoint corners[3] = {load_points(eight.corners[0]), load_points(eight.corners[1]),
                                   load_points(eight.corners[2])};
-  // Of the edges, the one that is nearest: where on it the point is, as shares of its ends.
+  // Find the nearest edge, and the closest point on it as a weight of each end.
   WideDouble best_sq(__builtin_inf());
   DoublePoint best = corners[0], from = corners[0], to = corners[1];
   DoubleMask is_side[3] = {double_mask_from_bits(0xff), double_mask_from_bits(0), double_mask_from_bits(0)};
@@ -46,11 +46,12 @@ void closest(ClosestOfEight& eight) {
   const WideDouble share = select(less(unbound, zero), zero, select(less(one, unbound), one, unbound));
   const WideDouble of_from = select(at_from, one, select(at_to, zero, one - share)),
                    of_to = select(at_from, zero, select(at_to, one, share));
-  // The face, where the point is inside.
+  // Take the face instead where the projection is inside it and nearer.
   const NearestInside<WideDouble> inside = nearest_inside(corners[0], corners[1], corners[2]);
   const DoublePoint face = point_inside(inside, corners[0], corners[1], corners[2]);
   const DoubleMask on_face = less(zero, inside.least) & less(dot(face, face), best_sq);
   store_points(select(on_face, face, best), eight.point);
+  // Write weights and features.
   WideDouble feature = number_of(Feature::face);
   for (int n = 0; n < 3; ++n) {
     const int before = (n + 2) % 3;

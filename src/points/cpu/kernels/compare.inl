@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distances in double decide between triangles that rounding in float cannot tell apart: eight pairs of a point and a
-// triangle at a time.
+// Measures in double between triangles that rounding in float cannot tell apart: eight pairs of a point and a triangle
+// at a time.
 #pragma once
 
 #include "geometry/triangle_distance.h"

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel that answers a group of points from a list of candidates.
 //
-// The candidates are measured from the corners of the points' box, sixteen of a node at a time. A candidate beats a
-// reference q, a point of the surface, at a point x of the box if it holds a p with |x-p|^2 < |x-q|^2. For a given p
-// the two sides differ by a linear function of x, so p beats q at a corner too: a candidate whose distance from each
-// corner is more than that of q is out. The references are the points of the candidates nearest to the corners.
+// First the candidates are measured from the corners of the points' box, sixteen of a node at a time. Let q, the
+// reference, be a point of the surface. A candidate beats q at a point x of the box if it holds a point p with
+// |x-p|^2 < |x-q|^2. The difference of both sides is linear in x, so p beats q at some corner too: a candidate that is
+// farther than q from every corner is dropped. The references are the candidates' closest points to the corners.
 //
-// Where candidates are few, none is dropped: measuring them costs less than choosing.
+// If candidates are few, none is dropped: measuring them costs less than choosing.
 //
-// Those left are measured from the points, sixteen points at a time. All that rounding cannot tell from the nearest are
-// compared in double.
+// Then the candidates left are measured from the points, sixteen points at a time. Those that rounding cannot tell from
+// the nearest are compared in double.
 #pragma once
 
 #include "points/cpu/kernels/compare.inl"
@@ -24,7 +24,8 @@ STANDOFF_INLINE float most_of(const float (&v)[3]) {
   return xy > v[2] ? xy : v[2];
 }
 
-// Fills the table with the nodes of the candidates from `first` on, as far as there is room; returns where it ended.
+// Fills the table with the nodes of the candidates from `first` on, while there is room; returns the first candidate
+// left.
 STANDOFF_INLINE std::int64_t fill_table(const BvhView& tree, const std::uint32_t* candidates, std::int64_t first,
                                         std::int64_t count, const PointGroup& points, int& nodes, PointTable& table) {
   nodes = 0;
@@ -66,7 +67,7 @@ STANDOFF_INLINE WidePoint box_corners(const PointGroup& points) {
   return {side(0, 0xaaaa), side(1, 0xcccc), side(2, 0xf0f0)};
 }
 
-// A point of the surface near each corner of the box: how far, squared, each of them is from each corner at most.
+// The references, one per corner of the box: upper bounds of their squared distances from each corner.
 struct CornerReferences {
   alignas(64) float sq[PointTable::kCorners][kLanes];  // reference, corner
 };
@@ -108,8 +109,8 @@ STANDOFF_INLINE std::uint32_t unbeaten(const float (&corner_sq)[PointTable::kCor
   return left;
 }
 
-// Whether choosing costs less than measuring what it is likely to drop, half of the candidates. Counted in triangles
-// measured from sixteen points, or sixteen of them from a point.
+// Whether choosing costs less than measuring the candidates that it is likely to drop, half of them. The unit of cost
+// is measuring one triangle from sixteen points, or sixteen triangles from one point.
 STANDOFF_INLINE bool is_worth_choosing(const PointTable& table, int nodes, const PointGroup& points) {
   int candidates = 0;
   for (int k = 0; k < nodes; ++k) candidates += __builtin_popcount(table.nodes[k].lanes);
@@ -125,7 +126,7 @@ STANDOFF_INLINE int keep_all(int nodes, PointTable& table) {
   return kept;
 }
 
-// Chooses candidates of the table for the points; returns how many.
+// Keeps the candidates of the table that may be the nearest of a point; returns their number.
 STANDOFF_INLINE int choose(const BvhView& tree, const PointGroup& points, int nodes, PointTable& table) {
   for (int k = 0; k < nodes; ++k) {
     const PointTable::Node& node = table.nodes[k];
@@ -144,7 +145,7 @@ STANDOFF_INLINE int choose(const BvhView& tree, const PointGroup& points, int no
   return kept;
 }
 
-// Measures kept candidates from all points, and compares those that may be nearest.
+// Measures kept candidates from all points, and queues those that may be nearest for comparison in double.
 STANDOFF_INLINE void measure(const BvhView& tree, const std::uint16_t* kept, int count, PointGroup& points,
                              PointTable& table) {
   const int vectors = (points.count + kLanes - 1) / kLanes;

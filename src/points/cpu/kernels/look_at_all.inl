@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel that answers points one by one, down the hierarchy of boxes: for points that are far apart beside the
-// triangles around them, and so have few candidates in common.
+// The kernel that answers points one by one, down the BVH. It is for points that share few candidates: they are far
+// apart compared with the size of the triangles around them.
 //
-// A point begins at the node where the last one ended, which bounds its distance. Then nodes are visited whose boxes
-// are nearer than the bound, sixteen boxes or triangles at a time, the nearest box first.
+// Each search begins at the node where the last one ended, which bounds the distance. Then it visits the nodes whose
+// boxes are nearer than the bound, sixteen boxes or triangles at a time, the nearest box first.
 #pragma once
 
 #include "points/cpu/kernels/compare.inl"
@@ -11,26 +11,27 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// Boxes are grown by what the rounding of coordinates takes; the arithmetic of box and bound takes this share.
+// Boxes are grown by the rounding error of coordinates; this share covers the arithmetic of box and bound.
 constexpr float kBoxShare = 1 - 0x1p-20f;
 
-// A node that was opened: which of its parts wait to be visited, and how far they are at least.
+// A node whose children are being visited.
 struct Opened {
-  alignas(64) float distance_sq[kLanes];
-  std::uint32_t waiting;  // bits
-  std::uint32_t first;    // node
-  int level;              // of the parts
+  alignas(64) float distance_sq[kLanes];  // lower bounds, by child
+  std::uint32_t waiting;                  // bits of the children not visited yet
+  std::uint32_t first;                    // the first child
+  int level;                              // of the children
 };
 
-// A point while it is answered.
+// The state of a point's search.
 struct OnePoint {
   double local[3];  // relative to the middle of the index
   float at[3];
-  float upper_sq;
-  int near_count;
+  float upper_sq;  // upper bound of the squared distance
+  int near_count;  // of the table's triangles that may be nearest
 };
 
-// Compares the triangles that may be nearest so far: there are too many of them, or no more.
+// Queues the triangles that may still be nearest for comparison in double, and empties the list: it is full, or the
+// search has ended.
 STANDOFF_INLINE void settle(const BvhView& tree, OnePoint& p, int point, PointGroup& points, PairTable& table) {
   for (int n = 0; n < p.near_count; ++n)
     if (table.near[n].lower_sq <= p.upper_sq) add_pair(tree, table.near[n].place, point, points, table);
@@ -63,7 +64,7 @@ STANDOFF_INLINE void measure_node(const BvhView& tree, std::uint32_t number, One
   }
 }
 
-// Has the parts of a node wait that are nearer than the bound; returns whether there are any.
+// Marks the children nearer than the bound as waiting; returns whether there are any.
 STANDOFF_INLINE bool open_node(const BvhView& tree, std::uint32_t node, int level, const OnePoint& p, Opened& opened) {
   const Boxes16& boxes = tree.boxes[node];
   WideFloat sum(0);
@@ -83,7 +84,7 @@ STANDOFF_INLINE bool open_node(const BvhView& tree, std::uint32_t node, int leve
   return opened.waiting != 0;
 }
 
-// Takes the nearest waiting part out; kLanes if all are beyond the bound.
+// Removes the nearest waiting child and returns it; kLanes if all are beyond the bound.
 STANDOFF_INLINE int take_nearest(Opened& opened, float upper_sq) {
   const WideFloat sq = WideFloat::load(opened.distance_sq);
   const std::uint32_t near = opened.waiting & less_equal(sq, WideFloat(upper_sq)).to_bits();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel that sets up triangles for queries at points, and how far off what is measured with them may be.
+// The kernel that sets up triangles for queries at points, and the error bounds of distances from them.
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
@@ -8,23 +8,23 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// What a distance from a frame may be off by: a share of the largest coordinate, with a quarter more for the rounding
-// of the coordinates themselves, and what is lost where a side shorter than the root of kLeastLengthSq counts as zero.
+// The error of a distance from a frame: a share of the largest coordinate, with a quarter more for the rounding of the
+// coordinates themselves; and kLeastSlack, because a side shorter than the root of kLeastLengthSq counts as zero.
 constexpr float kSlackOfFrame = 1.25f * kFrameError, kLeastSlack = 2e-6f;
-// What covers the rounding of the lines below.
+// Covers the rounding of the lines below.
 constexpr float kRounding = 0x1p-20f;
 
-// A slack s in the distance d, allowed for without a root: (d-s)^2 >= d^2 (1-a) - s^2/a, (d+s)^2 <= d^2 (1+a) +
-// s^2 (1+1/a). Any a is safe; it decides how many triangles are compared in double for nothing, and is best at s/d.
+// An error s of the distance d as an error of d^2, without a root: (d-s)^2 >= d^2 (1-a) - s^2/a, (d+s)^2 <= d^2 (1+a) +
+// s^2 (1+1/a). Any a is safe. It decides how many triangles are compared in double for nothing, and is best at s/d.
 struct Slack {
   float share;  // a
   float sq;     // s^2 (1+1/a)
 };
-// `farthest`: no coordinate of the points relative to the frames' center is larger; `extent`: nor one of the corners.
+// `farthest` bounds the coordinates of the points relative to the frames' center, `extent` those of the corners.
 STANDOFF_INLINE Slack slack_of(float farthest, float extent) {
   constexpr float kLeastShare = 0x1p-18f, kMostShare = 0x1p-13f;
   const float slack = (farthest > extent ? farthest : extent) * kSlackOfFrame + kLeastSlack;
-  const float distance = farthest - extent;  // about that, where the points are far
+  const float distance = farthest - extent;  // a good estimate if the points are far
   float share = kMostShare;
   if (slack < kMostShare * distance) share = slack > kLeastShare * distance ? slack / distance : kLeastShare;
   return {share + kRounding, slack * slack * ((1 + 1 / share) * (1 + kRounding))};
@@ -36,7 +36,7 @@ STANDOFF_INLINE WideFloat at_most(const WideFloat& sq, const Slack& slack) {
   return fma(sq, WideFloat(1 + slack.share), WideFloat(slack.sq));
 }
 
-// How many triangles a node of level 0 has.
+// The number of triangles of a node of level 0.
 STANDOFF_INLINE int size_of_node(const BvhView& tree, std::uint32_t number) {
   const std::uint32_t left = tree.triangles - number * kLanes;
   return left < kLanes ? static_cast<int>(left) : kLanes;
@@ -54,7 +54,7 @@ void make_frames(const BvhView& tree, std::uint32_t number, double scale, const 
   const double* const amid = corner_of(tree, triangle(count / 2), 0);
   double middle[4] = {};
   for (int axis = 0; axis < 3; ++axis) {
-    // A float, so that it is the same relative to the center and added to it.
+    // The offset is a float, so that adding it to the center loses nothing.
     to.center[axis] = static_cast<double>(static_cast<float>(amid[axis] * scale - center[axis]));
     middle[axis] = center[axis] + to.center[axis];
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernel that adds up the solid angles of all triangles, eight at a time. Angles are arguments of complex numbers
-// [Van Oosterom and Strackee 1983], and a sum of them that of a product: so no angle is taken but of the eight
-// products.
+// [Van Oosterom and Strackee 1983], and the argument of a product is the sum of arguments: so only the eight products
+// need an arctangent.
 #pragma once
 
 #include "points/cpu/kernels/node_frames.inl"
@@ -14,7 +14,7 @@ STANDOFF_INLINE WideDouble magnitude(const WideDouble& a) { return max(a, -a); }
 void add_solid_angles(const BvhView& tree, const std::int8_t* use, SolidAngles& sum) {
   constexpr int kCount = SolidAngles::kCount;
   static_assert(kCount == WideDouble::kLanes);
-  // Numbers are from 1e-6 to 4 in magnitude: so many of them do not overflow.
+  // Factors are from 1e-6 to 4 in magnitude: a product of 16 of them neither overflows nor underflows.
   constexpr std::uint32_t kMostFactors = 16 * kCount;
   const WideDouble zero(0.0), one(1.0);
   WideDouble re(1.0), im(0.0), around(0.0);
@@ -31,6 +31,7 @@ void add_solid_angles(const BvhView& tree, const std::int8_t* use, SolidAngles& 
     const auto corner = [&](int which) __attribute__((always_inline)) {
       return DoublePoint{load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
     };
+    // Represent the solid angle of each triangle as a complex number.
     const DoublePoint a = corner(0), b = corner(1), c = corner(2);
     const WideDouble of_a = sqrt(dot(a, a)), of_b = sqrt(dot(b, b)), of_c = sqrt(dot(c, c));
     // Half of a triangle's angle is the argument of x + iy.
@@ -38,12 +39,13 @@ void add_solid_angles(const BvhView& tree, const std::int8_t* use, SolidAngles& 
     WideDouble x = fma(fma(dot(a, b), of_c, fma(dot(b, c), of_a, dot(c, a) * of_b)), share, one);
     WideDouble y = dot(a, cross(b, c)) * share * weight;
     const DoubleMask counts = less(zero, magnitude(weight));
-    // Beside an edge, rounding decides the angle; a corner has none at all.
+    // Near an edge, rounding decides the angle; at a corner it is undefined.
     const DoubleMask certain = less(WideDouble(SolidAngles::kLeastSq), fma(x, x, y * y));
     if ((counts & negated(certain)).to_bits() != 0) {
       sum.is_certain = false;
       return;
     }
+    // Set flat triangles aside: exact predicates decide them later.
     const DoubleMask flat = counts & less(x, zero) & less(magnitude(y), WideDouble(SolidAngles::kFlat));
     if (std::uint32_t lanes = flat.to_bits(); lanes != 0) {
       for (; lanes != 0; lanes &= lanes - 1) {
@@ -58,11 +60,12 @@ void add_solid_angles(const BvhView& tree, const std::int8_t* use, SolidAngles& 
     x = select(added, x, one);
     y = select(added, y, zero);
     const WideDouble next_re = fma(re, x, -(im * y)), next_im = fma(re, y, im * x);
-    // Two angles of the upper half plane sum up to [0, 2 pi]: beyond pi, the product is in the lower one.
+    // Two angles in the upper half plane sum up to [0, 2 pi]: beyond pi, the product is in the lower half plane.
     const DoubleMask below = less(im, zero), y_below = less(y, zero), next_below = less(next_im, zero);
     around = around + select(negated(below | y_below) & next_below, one, zero) -
              select(below & y_below & negated(next_below), one, zero);
     re = next_re, im = next_im;
+    // Scale the product back to magnitude 1 before it may overflow.
     if ((first + kCount) % kMostFactors == 0) {
       const WideDouble size = one / (magnitude(re) + magnitude(im));
       re = re * size, im = im * size;
