@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between the pipeline and the backends: one job in, tiles into a sink, counts out.
+// The seam between the pipeline and the backends: a backend takes a job, writes tiles into a sink, and returns counts.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,6 @@
 
 namespace standoff {
 
-// Where a backend puts finished tiles: the sparse tiles of a DistanceField, or the caller's dense memory.
-
 /// Memory for the samples of one tile: sample (x,y,z) of the tile is at values[x + row * y + slice * z].
 /// Only `size` samples per axis may be written: tiles at the far faces of a dense grid are cut.
 struct TileTarget {
@@ -26,8 +24,9 @@ struct TileTarget {
   Size3 size;
 };
 
-/// Backends call `open` once for each tile with a band sample (distance <= thickness), from any thread, and write
-/// every sample of it. Tiles never opened read as the thickness, without a nearest triangle.
+/// The destination of finished tiles: the sparse tiles of a DistanceField, or the caller's dense memory. Backends call
+/// `open` once for each tile with a band sample (distance <= thickness), from any thread, and write every sample of it.
+/// Tiles never opened read as the thickness, without a nearest triangle.
 class Sink {
  public:
   /// Tiles go into `field`, whose first layer of tiles is layer `first_layer` of the grid that is filled.
@@ -65,13 +64,10 @@ class Sink {
   bool with_nearest_ = false;
 };
 
-// What a backend gets, and the table of them.
-
 /// The input of a backend. The mesh is valid and holds at least one triangle.
 struct Job {
   MeshView mesh;
-  /// The triangles to use, ascending indices into mesh.triangles; empty when all are used. (The skip rule's
-  /// compaction.)
+  /// The triangles that the skip rule keeps: ascending indices into mesh.triangles; empty if all are used.
   std::span<const std::uint32_t> kept;
   Grid grid;
   double thickness;
@@ -94,13 +90,13 @@ struct Counts {
   std::int64_t samples_band = 0;
 };
 
-/// Layers [begin, end) of bricks along z: of 16 samples each, but for the last one of a grid.
+/// Layers [begin, end) of bricks along z. Each has 16 samples; the last one of a grid may have fewer.
 struct BrickLayers {
   std::int64_t begin, end;
 };
 
-/// A job that is done part by part. What all parts need is made once, before the first; the values are those of the
-/// whole job, bit for bit.
+/// A job that is done layer by layer. The constructor prepares the data that all layers share; the values equal the
+/// whole job's, bit for bit.
 class LayerGather {
  public:
   LayerGather() = default;
@@ -108,10 +104,10 @@ class LayerGather {
   LayerGather& operator=(const LayerGather&) = delete;
   virtual ~LayerGather() = default;
 
-  /// Fills the tiles of these layers. The first call begins with layer 0, each other one where the last one ended.
+  /// Fills the tiles of these layers. The first call begins with layer 0, each later call where the last one ended.
   /// Throws Error{interrupted}.
   virtual void gather(const BrickLayers& layers, Sink& sink) = 0;
-  /// Of all calls so far.
+  /// The sum over all calls so far.
   virtual Counts counts() = 0;
 };
 
@@ -122,17 +118,17 @@ struct BackendRow {
   const char* backend_name;
   const char* method_name;
   bool (*available)();
-  std::string (*device)(Simd requested, int device);  ///< what ComputeReport::device says
+  std::string (*device)(Simd requested, int device);  ///< the value of ComputeReport::device
   Counts (*run)(const Job&, Sink&);
-  /// Bytes of scratch in the worst case, the output not counted.
+  /// Bytes of scratch memory in the worst case, without the output.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
-  /// The same job in parts, with the same scratch; nullptr where a method needs the whole grid at once. The job must
-  /// stay where it is.
+  /// The same job by layers, with the same scratch memory; nullptr if the method needs the whole grid at once. The job
+  /// must outlive the result.
   std::unique_ptr<LayerGather> (*in_layers)(const Job&) = nullptr;
 };
 
-/// The row for a job of this size; Backend::automatic takes a GPU that is there if the job is large enough for it.
-/// Throws Error{device} when nothing fits.
+/// The row for a job of this size; Backend::automatic takes a GPU if there is one and the job is large enough for it.
+/// Throws Error{device} if no row fits.
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid);
 
 }  // namespace standoff

@@ -29,15 +29,15 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// What users are told to do where memory runs out.
+/// The advice to users when memory runs out.
 inline constexpr const char* kWithLessMemory =
     "take fewer samples or a smaller thickness, or give a memory limit to be told beforehand";
 
-/// One computation. Mesh and options must stay where they are. All but the constructor and check() run on the threads
-/// of threads(), or between them.
+/// One computation. Mesh and options must outlive it. The constructor and check() run on the calling thread, all else
+/// on the threads of threads().
 class Computation {
  public:
-  /// Errors: as make_plan.
+  /// Throws the errors of make_plan.
   Computation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
               std::int64_t slab_samples = 0);
   Computation(const Computation&) = delete;
@@ -47,18 +47,17 @@ class Computation {
   const Plan& plan() const { return plan_; }
   Threads& threads() { return threads_; }
   ProgressMeter& progress() { return progress_; }
-  /// Of what has been done so far.
   ComputeReport& report() { return report_; }
 
-  /// Throws where the mesh or the memory will not do. Decides the sign's method, and with it whether slabs will do.
+  /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, and with it whether the
+  /// field can be computed in slabs.
   void check();
   /// Applies the skip rule.
   Job job();
-  /// As planned.
   SignMethod sign_method() const { return sign_plan_.report.method; }
-  /// Of the planned sign, which is not that of a shell; nothing where there turns out to be no inside.
-  std::unique_ptr<SampleSigns> sides(const NearestTriangles& nearest);
-  /// What the report says of all computations. `hash`: the mesh's, or 0.
+  /// The signs by the planned method, which must not be `shell`; null if the mesh turns out to have no inside.
+  std::unique_ptr<SampleSigns> signs(const NearestTriangles& nearest);
+  /// Fills the fields of the report that whole fields and slabs share. `hash`: the mesh's, or 0.
   void finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash);
 
  private:
@@ -72,7 +71,7 @@ class Computation {
   ComputeReport report_;
 };
 
-/// Fills a field: all that follows check(). Errors: as compute_into; the field is then empty.
+/// Fills a field: all steps after check(). Throws the errors of compute_into; the field is then empty.
 ComputeReport fill_field(Computation& computation, DistanceField& field, const ComputeOptions& options);
 
 }  // namespace standoff

@@ -58,7 +58,7 @@ Job Computation::job() {
           .device = options_.execution.device};
 }
 
-std::unique_ptr<SampleSigns> Computation::sides(const NearestTriangles& nearest) {
+std::unique_ptr<SampleSigns> Computation::signs(const NearestTriangles& nearest) {
   const UnsignedField field{plan_.grid, plan_.field_thickness, nearest, crossing_bytes(plan_)};
   return make_signs(mesh_, sign_plan_, options_.sign, field, progress_);
 }
@@ -80,13 +80,13 @@ void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint
 
 namespace {
 
-// Where the values go: into the tiles of a field, or into dense memory.
+// The destination of the values: the tiles of a field, or dense memory.
 class FieldOutput {
  public:
   explicit FieldOutput(DistanceField& field) : field_(field) {}
   Sink sink() { return Sink(field_); }
   NearestTriangles nearest() const { return NearestTriangles(field_); }
-  void sign(SampleSigns& sides, bool invert, ProgressMeter& progress) { sign_field(sides, invert, field_, progress); }
+  void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) { sign_field(signs, invert, field_, progress); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -99,8 +99,8 @@ class DenseOutput {
       : grid_(grid), values_(values), nearest_(nearest) {}
   Sink sink() { return {grid_, values_, nearest_}; }
   NearestTriangles nearest() const { return {grid_, nearest_}; }
-  void sign(SampleSigns& sides, bool invert, ProgressMeter& progress) {
-    sign_values(sides, invert, grid_, values_, progress);
+  void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
+    sign_values(signs, invert, grid_, values_, progress);
   }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
 
@@ -114,11 +114,11 @@ template <class Output>
 void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
   if (computation.sign_method() == SignMethod::shell)
     return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
-  if (const auto sides = computation.sides(output.nearest()))
-    output.sign(*sides, options.sign.invert, computation.progress());
+  if (const auto signs = computation.signs(output.nearest()))
+    output.sign(*signs, options.sign.invert, computation.progress());
 }
 
-// Skip rule, backend and sign. Requires check(). With the mesh's hash where it is asked for.
+// Runs skip rule, backend and sign. Requires check(). Hashes the mesh if the options ask for it.
 template <class Output>
 ComputeReport run(Computation& computation, const ComputeOptions& options, bool with_hash, Output output) {
   Sink sink = output.sink();
@@ -170,7 +170,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, Di
                            const ComputeOptions& options) try {
   validate(thickness, options);
   validate(grid);
-  // It has a grid of its own: the caller's may be the field's, which goes with the field.
+  // The computation copies the grid: the caller's may be the field's own, which clearing the field destroys.
   Computation computation(mesh, grid, thickness, options, false);
   computation.check();
   return fill_field(computation, field, options);
@@ -190,7 +190,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
                     " values (and as many nearest triangles where they are asked for); give one for each sample");
   Computation computation(mesh, grid, thickness, options, true);
   computation.check();
-  std::vector<std::uint32_t> own_nearest;  // for the sign alone
+  std::vector<std::uint32_t> own_nearest;  // only the sign needs them
   if (computation.plan().with_nearest && nearest.empty()) {
     own_nearest.resize(samples);
     nearest = own_nearest;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The grid as the backends see it, on the CPU and on the GPU: tiles of 8x8x8 samples in bricks of 2x2x2 tiles, whose
-// centres are the origins of all float coordinates. That both compute these coordinates here is what makes their bits
-// the same.
+// The grid as the backends see it: tiles of 8x8x8 samples in bricks of 2x2x2 tiles. The brick's centre is the origin of
+// all float coordinates in it. CPU and GPU get the same bits because both compute these coordinates here.
 //
 //   world units --(* scale)--> grid units --(- brick's centre, in double)--> local coordinates, float
 //
-// A brick and not a tile is the origin because a triangle is set up once for each brick it touches, and small triangles
+// The origin belongs to the brick, not to the tile, because a triangle is set up once for each origin: small triangles
 // touch half as many bricks as tiles.
 #pragma once
 
@@ -26,7 +25,7 @@ namespace standoff {
 inline constexpr int kBrickSide = 2 * kTileSide;
 
 /// Lengths are in grid units: world units times `scale`, a power of two that brings the largest spacing to [1, 2). So
-/// nothing is lost by scaling, and no mesh is too small or too large for float.
+/// scaling is exact, and no mesh is too small or too large for float.
 struct Lattice {
   double scale;
   double origin[3];   ///< of the grid, world units
@@ -37,7 +36,7 @@ struct Lattice {
   double to_samples[3];             ///< 1 / spacing, world units
   double reach[3];                  ///< the thickness in samples, with a margin for rounding
   double thickness_units;           ///< grid units; this and the next three may be infinite
-  float coordinate[3][kBrickSide];  ///< of a brick's samples relative to its centre, grid units
+  float coordinate[3][kBrickSide];  ///< the samples of a brick relative to its centre, grid units
   float thickness, thickness_sq;    ///< grid units
   float thickness_world;
   float unscale;  ///< 1 / scale
@@ -48,7 +47,7 @@ struct Lattice {
   }
 };
 
-/// Of sample n of a brick, relative to its centre. Grid units.
+/// The coordinate of sample n of a brick, relative to its centre. Grid units.
 inline float brick_coordinate(const Lattice& l, int n, int axis) {
   return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
 }
@@ -79,13 +78,13 @@ inline Lattice make_lattice(const Grid& grid, double thickness) {
   return l;
 }
 
-/// Where sample (x, y, z) lies, which may be between two. Grid units.
+/// The position of sample (x, y, z); fractions are allowed. Grid units.
 STANDOFF_INLINE Triple<double> position(const Lattice& l, double x, double y, double z) {
   return {(l.origin[0] + l.spacing[0] * x) * l.scale, (l.origin[1] + l.spacing[1] * y) * l.scale,
           (l.origin[2] + l.spacing[2] * z) * l.scale};
 }
 
-/// The middle of the samples of cell (x, y, z), of those kSide on a side. Grid units.
+/// The middle of the samples of cell (x, y, z), where cells have kSide samples per axis. Grid units.
 template <int kSide>
 STANDOFF_INLINE Triple<double> cell_center(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr double middle = (kSide - 1) / 2.0;
@@ -98,8 +97,7 @@ STANDOFF_INLINE Triple<double> brick_center(const Lattice& l, const std::int64_t
   return cell_center<kBrickSide>(l, tile[0] >> 1, tile[1] >> 1, tile[2] >> 1);
 }
 
-/// A point in world units relative to `center`, which is in grid units. The product is exact, so that fused or not
-/// gives the same number.
+/// A point in world units relative to `center`, which is in grid units. The product is exact, so fusing changes no bit.
 STANDOFF_INLINE Triple<double> local(const Lattice& l, const Triple<double>& point, const Triple<double>& center) {
   return {fma(point.x, l.scale, -center.x), fma(point.y, l.scale, -center.y), fma(point.z, l.scale, -center.z)};
 }
@@ -114,27 +112,26 @@ STANDOFF_INLINE void tile_at(const Lattice& l, std::int64_t index, std::int64_t*
   tile[2] = index / (l.tiles[0] * l.tiles[1]);
 }
 
-/// Samples inside the grid, along one axis, of a tile or brick of kSide samples on a side.
+/// The number of samples inside the grid along one axis of a tile or brick, which has kSide samples per axis.
 template <int kSide>
 STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* at, int axis) {
   const std::int64_t left = l.size[axis] - at[axis] * kSide;
   return left < kSide ? static_cast<int>(left) : kSide;
 }
 
-// Which cells a triangle has to be looked at in, on the CPU (bricks) and on the GPU (tiles): first those that its box
-// grown by the thickness touches; of a long triangle, which misses most cells of its box, those whose centre is near
-// enough.
+// The cells that a triangle is a candidate of: bricks on the CPU, tiles on the GPU. They are the cells that its box,
+// grown by the thickness, touches. A long triangle misses most of these, so their centres are tested too.
 
-/// Cells low[axis] to high[axis], both included; low > high on some axis for none.
+/// Cells low[axis] to high[axis], both included; empty if low > high on some axis.
 struct CellRange {
   std::int64_t low[3], high[3];
 
   STANDOFF_HD bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
-  /// At most two in a row: a triangle of so few is put into all of them.
+  /// At most two cells per axis: a triangle becomes a candidate of all of them without a test.
   STANDOFF_HD bool is_small() const { return high[0] - low[0] <= 1 && high[1] - low[1] <= 1 && high[2] - low[2] <= 1; }
 };
 
-/// The cells of kSide samples on a side that hold samples of the box (world units) grown by the lattice's thickness.
+/// The cells of kSide samples per axis that hold samples of the box (world units) grown by the lattice's thickness.
 template <int kSide>
 STANDOFF_INLINE CellRange reached_cells(const Lattice& l, const BoxOf<double>& box) {
   const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
@@ -143,7 +140,8 @@ STANDOFF_INLINE CellRange reached_cells(const Lattice& l, const BoxOf<double>& b
     const double past = static_cast<double>(l.size[axis]);
     const double from = (lows[axis] - l.origin[axis]) * l.to_samples[axis] - l.reach[axis];
     const double to = (highs[axis] - l.origin[axis]) * l.to_samples[axis] + l.reach[axis];
-    // The first sample at or above `from` and the last at or below `to`, by truncation of what is not negative.
+    // Find the first sample at or above `from` and the last at or below `to`, by truncating numbers that are not
+    // negative.
     const auto first = static_cast<std::int64_t>(min(max(from + (1 - kBoxSlack), 0.0), past));
     const auto last = static_cast<std::int64_t>(min(max(to + 1, 0.0), past)) - 1;
     range.low[axis] = first / kSide;
@@ -152,8 +150,8 @@ STANDOFF_INLINE CellRange reached_cells(const Lattice& l, const BoxOf<double>& b
   return range;
 }
 
-/// Squared: how near the centre of a cell is to a triangle that lies within the thickness of some of its samples, at
-/// most. Grid units.
+/// An upper bound of the squared distance between a cell's centre and a triangle within the thickness of a sample of
+/// the cell. Grid units.
 template <int kSide>
 STANDOFF_INLINE double cell_reach_sq(const Lattice& l) {
   double radius_sq = 0;
@@ -179,7 +177,7 @@ struct LongTriangle {
                        double{kLeastLengthSqOfCells});
   }
 
-  /// Whether it is within cell_reach_sq() of the centre of a cell.
+  /// Whether the triangle is within cell_reach_sq() of the centre of a cell.
   STANDOFF_INLINE bool reaches(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z,
                                double reach_sq) const {
     const Triple<double> center{l.unit[0] * kSide * static_cast<double>(x - range.low[0]),

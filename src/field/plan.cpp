@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is computed and how, and the memory that it may need: decided before any distance.
+// Plans a computation and bounds its memory.
 #include "field/plan.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ void validate(double thickness, const ComputeOptions& options) {
     fail("the bytes beside each sample must be 0 to 2^20; give the sum of bytes_per_sample()");
   if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
     fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
-  // Numbers that were cast to an enumeration.
+  // A caller may have cast any number to an enumeration.
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
   if (!one_of(options.method, Method::thesis) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
@@ -45,13 +45,13 @@ SkipRule effective_rule(const ComputeOptions& options) {
 
 namespace {
 
-// 0 where one slab would hold the whole grid.
+// Layers of bricks of a slab; 0 if one slab would hold the whole grid.
 std::int64_t layers_of_slab(const Grid& grid, std::int64_t slab_samples) {
   const std::int64_t layers = std::max<std::int64_t>(1, slab_samples / (grid.size.x * grid.size.y) / kBrickSide);
   return layers < (grid.size.z + kBrickSide - 1) / kBrickSide ? layers : 0;
 }
 
-// How far distances must be known. Beyond the limit float could not tell them from half of the shell.
+// The largest distance that must be known. Beyond the limit, float could not tell it from half of the shell.
 double reach(const Grid& grid, double thickness, const SignOptions& sign) {
   if (sign.method != SignMethod::shell) return thickness;
   const double most = std::min(0x1p20 * grid.max_spacing(), 0x1p120);
@@ -88,28 +88,28 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
 
 namespace {
 
-// What a backend holds beside the output.
+// Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
   return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads);
 }
 
-// What deciding the sign holds beside the output and the crossings.
+// Bytes that deciding the sign takes beside the output and the crossings.
 std::int64_t sign_bytes(const Plan& plan) {
   return RowCrossings::other_bytes(plan.triangles, plan.grid, plan.threads) +
          plan.threads * InsideRows::bytes(plan.grid);
 }
 
-// Of the grid, or of a slab.
+// The tiles of the grid, or of a slab.
 double tiles_at_once(const Plan& plan) {
   Size3 size = plan.grid.size;
   if (plan.slab_layers != 0) size.z = std::min(size.z, kBrickSide * plan.slab_layers);
   return static_cast<double>(tile_count(size));
 }
 
-// What crossings may take at a time where the backend's memory is held beside them. The value is a choice.
+// Bytes of crossings in memory at once, in slabs: there the backend keeps its memory meanwhile. The value is a choice.
 constexpr std::int64_t kCrossingBytesInSlabs = std::int64_t{32} << 20;
 
-// What may be said to help is what has been seen to help.
+// Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
  public:
   Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, bool diagnosed)
@@ -131,17 +131,17 @@ class Advice {
  private:
   bool fits(const Grid& grid, double thickness) const {
     const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.slab_samples);
-    return bytes_needed(plan, look_at(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
+    return bytes_needed(plan, scan_mesh(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
   }
 
-  // A band one sample wide.
+  // Tries a band one sample wide.
   bool thinner_helps() const {
     const double thin = grid_.max_spacing();
     return thin < thickness_ && fits(grid_, thin);
   }
 
-  // Samples on the longest side of a coarser grid of the same extent, or 0. The thickness is taken to be a number of
-  // samples, and grows with them: should it stay what it is, the field is smaller still.
+  // Samples on the longest side of a coarser grid of the same extent that fits, or 0. It assumes that the thickness is
+  // a number of samples, and so grows with the spacing; if the thickness stays, the field is smaller still.
   std::int64_t largest_side() const {
     const std::int64_t longest = std::max({grid_.size.x, grid_.size.y, grid_.size.z});
     std::int64_t fitting = 0, too_many = longest;
@@ -177,8 +177,8 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double beside = stored * static_cast<double>(plan.bytes_beside);
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
-  // The mesh is diagnosed before the output. The sign of a whole grid is decided when the backend has given its memory
-  // back; in slabs one follows the other again and again.
+  // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
+  // its memory; in slabs, the backend keeps it while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan),
                      of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
   const double scratch =
@@ -189,7 +189,7 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
                             : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  // What is beside the output is made when the scratch memory has been given back.
+  // The caller's data beside the output is made after the scratch memory has been freed.
   const double total = std::max({before, output + scratch + kept, output + beside});
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
@@ -197,7 +197,7 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
 std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at_once(plan), plan.with_sign); }
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  const double tiles = look_at(mesh, plan, !plan.is_dense).tiles;
+  const double tiles = scan_mesh(mesh, plan, !plan.is_dense).tiles;
   return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is computed and how, and the memory that it may need: decided before any distance.
+// The plan of a computation: backend, method and slabs, and the memory that it may need, decided before any distance.
 #pragma once
 
 #include "field/backend.h"
@@ -7,55 +7,51 @@
 
 namespace standoff {
 
-// The options of a computation, and what they mean where they leave something open.
-
 /// Throws Error{usage} for an invalid thickness or invalid options.
 void validate(double thickness, const ComputeOptions& options);
-/// The skip rule of the method where none is named; never automatic.
+/// The skip rule: the one that is named, or the default of the method; never automatic.
 SkipRule effective_rule(const ComputeOptions& options);
 
 struct Plan {
   const BackendRow* row;  ///< backend and method
   SkipRule rule;          ///< never automatic
-  bool drops_copies;      ///< whether many copies of triangles are left out (skip.h): they change nothing
+  bool drops_copies;      ///< whether copies of triangles are left out if they are many (skip.h): this changes no bit
   std::int64_t triangles;
   Grid grid;
-  double thickness;        ///< distances are computed up to it
-  double field_thickness;  ///< the field's; that of a shell is smaller
+  double thickness;        ///< distances are computed up to this
+  double field_thickness;  ///< the field's thickness, which is smaller if the sign is a shell
   int threads;
-  bool with_nearest;  ///< for the caller or for the sign
+  bool with_nearest;  ///< the caller or the sign needs nearest triangles
   bool with_sign;
-  bool is_dense;              ///< into the caller's memory, not into tiles
-  std::int64_t bytes_beside;  ///< for each stored sample, held by the caller
-  std::int64_t slab_samples;  ///< asked for; 0: no slabs
+  bool is_dense;              ///< the output is the caller's memory, not tiles
+  std::int64_t bytes_beside;  ///< bytes per stored sample that the caller holds
+  std::int64_t slab_samples;  ///< the slab size asked for; 0: no slabs
   std::int64_t slab_layers;   ///< layers of bricks of a slab; 0: the whole grid at once
 };
 
-/// Requires a valid grid, thickness and options. `slab_samples`: about how many a slab may have, where the field is
-/// computed slab by slab. It is not where its method or sign needs the whole grid. Throws Error{device} where no
-/// backend fits, Error{limit} for a shell that is too thick.
+/// Requires a valid grid, thickness and options. `slab_samples`: the approximate size of a slab; it has no effect if
+/// the method or the sign needs the whole grid. Throws Error{device} if no backend fits, Error{limit} for a shell that
+/// is too thick.
 Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
                std::int64_t slab_samples = 0);
 
-/// Whether a sign can be decided slab by slab: not one whose sides spread from sample to sample.
+/// Whether a sign can be decided slab by slab: methods that spread signs from sample to sample cannot.
 bool is_decided_in_slabs(SignMethod method);
 
-// How much memory a computation may need, before it starts.
-
-/// Output and scratch, where so many tiles hold band samples; dense output takes no notice of them. `diagnosed`:
-/// whether the mesh is diagnosed before, for its sign. At most 2^62.
+/// Bytes of output and scratch memory that a computation may need, at most 2^62. `tiles`: how many hold band samples;
+/// dense output does not depend on it. `diagnosed`: whether the mesh is diagnosed before, for its sign.
 std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed);
-/// The same for whatever triangles: all tiles of the grid.
+/// The same for any triangles: all tiles of the grid may hold band samples.
 std::int64_t bytes_needed(const Plan& plan);
-/// The same for these triangles. Uses the caller's arena. Errors: as validate(mesh).
+/// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
-/// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough.
+/// Bytes that crossings may take while the sign is decided. For a whole grid it is the backend's scratch memory, which
+/// is free by then, if that is enough.
 std::int64_t crossing_bytes(const Plan& plan);
 
-/// Throws Error{limit} where the computation may need more than
-/// options.memory_limit, with what would fit. `tiles`: those that the mesh's triangles reach (prepare.h). Requires a
-/// valid mesh.
+/// Throws Error{limit} if the computation may need more than options.memory_limit; the message says what would fit.
+/// `tiles`: how many the mesh's triangles reach (prepare.h). Requires a valid mesh.
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options);
 
 }  // namespace standoff

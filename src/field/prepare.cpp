@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step before the backend: whether the mesh is valid and in the range of float, and which of its triangles stay.
+// The step before the backend: validates the mesh, checks memory and the range of float, applies the skip rule.
 #include "field/prepare.h"
 
 #include <tbb/blocked_range.h>
@@ -19,8 +19,6 @@
 #include "standoff/error.h"
 
 namespace standoff {
-
-// How far apart mesh and grid may be.
 
 namespace {
 
@@ -73,14 +71,12 @@ void check_domain(const Box& mesh, const Grid& grid) {
     throw Error(ErrorCode::limit, std::string("mesh: a corner of its box") + kTooFar);
 }
 
-// One pass over the mesh, and the triangles that are left.
-
 namespace {
 
 using Positions = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kPrepareGrain = 16384;
 
-// Vertices lie in a row, corners do not: several times faster than from corner to corner.
+// Vertices lie in a row, corners do not: this is several times faster than checking corners.
 bool vertices_near(MeshView mesh, const FloatRange& range) {
   const auto look = [&](const Positions& positions, bool good) {
     for (std::size_t v = positions.begin(); v < positions.end(); ++v) good &= range.holds(mesh.vertices[v]);
@@ -89,7 +85,7 @@ bool vertices_near(MeshView mesh, const FloatRange& range) {
   return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kPrepareGrain), true, look, std::logical_and<>());
 }
 
-// Whether a list of triangles and the work on them take no more than the work on all, which is what was promised.
+// Whether a list of some triangles and the work on them fit into the memory planned for the work on all.
 bool fits_with(std::size_t triangles, const Plan& plan) {
   const auto scratch = [&](std::int64_t count) {
     return plan.row->scratch_bytes(count, plan.grid, plan.thickness, plan.threads);
@@ -109,8 +105,8 @@ double tiles_of_range(const SampleRange& range) {
 
 }  // namespace
 
-MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
-  // Where something is wrong, validate() looks again and reports what.
+MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
+  // If something is wrong, validate() finds and reports it.
   const bool counts_fit = !mesh.triangles.empty() && mesh.triangles.size() <= kMaxTriangles &&
                           mesh.vertices.size() <= std::numeric_limits<std::uint32_t>::max();
   const bool is_near = counts_fit && has_float_spacing(plan.grid) && vertices_near(mesh, FloatRange(plan.grid));
@@ -118,11 +114,11 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
 
   const auto all = static_cast<double>(tile_count(plan.grid.size));
   const bool counts_boxes = counts_tiles && !std::isinf(plan.thickness);
-  // A signed field has the tiles with samples on both sides too. The surface passes between two of these that are
-  // neighbours, and one of them is within half of their distance of it.
+  // A signed field also stores tiles with samples of both signs. The surface passes between two neighbouring samples,
+  // and one of them is within half of their distance of it.
   const double least = plan.with_sign ? plan.grid.max_spacing() / 2 : 0;
   const double reach = reach_beyond_rounding(plan.grid, std::max(plan.thickness, least));
-  // Sums of whole numbers are exact up to 2^53, in any order; beyond that nothing fits.
+  // Sums of whole numbers are exact up to 2^53, in any order; a computation beyond that does not fit anyway.
   struct Sum {
     bool in_range;
     double tiles;
@@ -144,11 +140,11 @@ MeshLook look_at(MeshView mesh, const Plan& plan, bool counts_tiles) {
 }
 
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  // Most fields fit whatever their triangles are.
+  // Most fields fit for any triangles, and need no count of tiles.
   const bool may_be_over = options.memory_limit != 0 && bytes_needed(plan) > options.memory_limit;
-  const MeshLook look = look_at(mesh, plan, may_be_over && !plan.is_dense);
-  if (may_be_over) check_memory(mesh, plan, look.tiles, options);
-  if (!look.is_near) check_domain(mesh, plan.grid);
+  const MeshScan scan = scan_mesh(mesh, plan, may_be_over && !plan.is_dense);
+  if (may_be_over) check_memory(mesh, plan, scan.tiles, options);
+  if (!scan.is_near) check_domain(mesh, plan.grid);
 }
 
 std::vector<std::uint32_t> kept_by_plan(MeshView mesh, const Plan& plan, std::span<const std::uint32_t> among,

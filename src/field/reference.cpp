@@ -23,7 +23,7 @@ double box_distance_sq(Vec3 p, const Box& box) {
   return dot(outside, outside);
 }
 
-// A place in [0, 1) along each axis, by the top 21 bits of each coordinate.
+// The place of a point of the unit cube on a Morton curve, by the top 21 bits of each coordinate.
 std::uint64_t curve_key(Vec3 unit) {
   const auto cell = [](double u) {
     return u > 0 ? static_cast<std::uint64_t>(std::min(u, 1.0) * 0x1fffff) : 0;  // NaN counts as 0
@@ -102,25 +102,27 @@ void TriangleGroups::look_at(std::size_t g, Vec3 p, Found& best) const {
 }
 
 double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {
-  // Relative to the sample, so that a mesh far from the origin loses nothing.
+  // Corners are relative to the sample, so that a mesh far from the origin loses nothing.
   const auto [a, b, c] = mesh_.corners(t);
   return origin_distance_sq(triple_of(a - p), triple_of(b - p), triple_of(c - p));
 }
 
 namespace {
 
-// As seen along y.
+// The projection along y.
 Flat flat(const Vec3& v) { return {v.x, v.z}; }
 
-// Where q is of the line from a to b: 1 left of it, -1 right. Requires a.x != b.x. Each q stands for (q.x + e^2, q.y +
-// e), where e is positive and smaller than any number: from a point on the line it lies above.
+// The side of the line from a to b that q is on: 1 left, -1 right. Requires a.x != b.x. Symbolic perturbation moves
+// each q to (q.x + e^2, q.y + e), where e is positive and smaller than any number: so a point on the line counts as
+// above it.
 int side_of_line(const Flat& a, const Flat& b, const Flat& q) {
   const int side = orient2d(a, b, q);
   return side != 0 ? side : b.x > a.x ? 1 : -1;
 }
 
-// How often the triangle goes round p as seen along y, x right and z up: 1 to the left, -1 to the right, or 0. Counts
-// the edges that pass above p, by direction. With the same e a corner at p's x is left of p.
+// The winding number of the triangle's projection along y around p, seen with x to the right and z up: 1 anticlockwise,
+// -1 clockwise, or 0. Counts the edges that pass above p, by direction. With the same e, a corner at p's x is left of
+// p.
 int turns_round(const Corners& t, const Vec3& p) {
   int turns = 0;
   for (std::size_t n = 0; n < 3; ++n) {
@@ -139,14 +141,15 @@ bool in_box(const Corners& t, const Vec3& p) {
   return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z && p.z <= high.z;
 }
 
-// Whether q is left of one edge and right of another.
+// Whether q is left of one edge and right of another one.
 bool is_outside(const Flat& a, const Flat& b, const Flat& c, const Flat& q) {
   const int sides[] = {orient2d(a, b, q), orient2d(b, c, q), orient2d(c, a, q)};
   return std::ranges::count(sides, 1) > 0 && std::ranges::count(sides, -1) > 0;
 }
 
-// Whether p is on the triangle, exactly. A point of the triangle's plane is on it where its shadows along all three
-// axes are on the triangle's. A shadow that is a line is left by a point with both sides, and ends with its box.
+// Whether p is exactly on the triangle. A point of the triangle's plane is on it if its projections along all three
+// axes are on the triangle's projections. If a projection is a segment, a point off its line is left of one edge and
+// right of another, and its box bounds the rest.
 bool is_on(const Corners& t, const Vec3& p) {
   if (!in_box(t, p) || orient3d(t[0], t[1], t[2], p) != 0) return false;
   const auto outside = [&](double Vec3::*right, double Vec3::*up) {
@@ -180,10 +183,10 @@ ReferenceWinding winding_by_angles(const OrientedMesh& mesh, const Vec3& p) {
     if (mesh.use_of(triangle) == 0) continue;
     Corners t = mesh.corners(triangle);
     for (Vec3& v : t) v = v - p, v = v * (1 / length(v));
-    // tan(angle / 2) = sine / cosine. In units u of 2^-53: each corner's direction is off by at most 6 u. So sine is
-    // off by 18 u and 10 u of its own rounding, cosine by 36 u and 21 u of its own, both together by less than 64 u. As
-    // seen from the origin the point (cosine, sine) is then off by at most asin(64 u / its distance). The origin is
-    // where p is on an edge: there any angle is possible.
+    // tan(angle / 2) = sine / cosine. In units u of 2^-53, the error of each corner's direction is at most 6 u. So the
+    // error of the sine is 18 u plus 10 u of its own rounding, of the cosine 36 u plus 21 u of its own, of both
+    // together less than 64 u. Seen from the origin, the direction of (cosine, sine) is then off by at most asin(64 u /
+    // its distance). If p is on an edge, the point is the origin, and any angle is possible.
     const double sine = dot(t[0], cross(t[1], t[2]));
     const double cosine = 1 + dot(t[0], t[1]) + dot(t[1], t[2]) + dot(t[2], t[0]);
     if (!std::isfinite(sine + cosine)) return {0, kInfinity};

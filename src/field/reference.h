@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What verify compares fields with: exact distances to all triangles of a mesh, in small groups of neighbours, in
-// double precision; and winding numbers.
+// The reference that verify compares fields with: distances to all triangles of a mesh in double precision, and winding
+// numbers.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,20 @@
 
 namespace standoff {
 
-// Exact distances.
-
-/// A triangle or group is passed over only when its box is no nearer than a distance already found; both are computed
-/// in double, so this costs at most their rounding (a few 1e-16 of the distance). Takes 40 bytes per triangle while it
-/// is made and about 6 afterwards. The mesh must be valid and outlive this.
+/// Distances to triangles, which lie in small groups of neighbours. A triangle or group is skipped only if its box is
+/// no nearer than a distance already found; both are computed in double, so the error is at most their rounding (a few
+/// 1e-16 of the distance). Takes 40 bytes per triangle while it is made and about 6 afterwards. The mesh must be valid
+/// and outlive this.
 class TriangleGroups {
  public:
-  /// Of the triangles in `among`, ascending; of all if that is empty.
+  /// Holds the triangles in `among`, which ascend; all triangles if it is empty.
   explicit TriangleGroups(MeshView mesh, std::span<const std::uint32_t> among = {});
 
-  /// Of the mesh.
+  /// The number of triangles of the mesh.
   std::size_t triangle_count() const { return mesh_.triangles.size(); }
   /// The distance from p to these triangles.
   double distance(Vec3 p) const;
-  /// The triangle nearest to p, of equally near ones that of lowest index.
+  /// The triangle nearest to p; the lowest index wins a tie.
   std::uint32_t nearest(Vec3 p) const;
   /// The distance from p to one triangle.
   double distance(Vec3 p, std::uint32_t triangle) const;
@@ -41,8 +40,7 @@ class TriangleGroups {
         if (distance(p, triangle) <= most) use(triangle);
     }
   }
-  /// Calls use(triangle) for triangles in groups of neighbours: for all of a group or for none. Each triangle whose box
-  /// meets the ray from p along +y is among them.
+  /// Calls use(triangle) for each triangle whose box meets the ray from p along +y, and for the others of its group.
   template <class Use>
   void for_each_above(Vec3 p, const Use& use) const {
     for (std::size_t g = 0; g < boxes_.size(); ++g) {
@@ -67,25 +65,26 @@ class TriangleGroups {
 
   MeshView mesh_;
   std::vector<std::uint32_t> order_;  // triangles along a space-filling curve
-  std::vector<Box> boxes_;            // of kGroup triangles each
+  std::vector<Box> boxes_;            // one per group of kGroup triangles
 };
 
-// Winding numbers to check signs with. Slow and simple, and nothing of it comes from src/sign: other rays, other
-// decisions on edges, and for open meshes no rays at all.
+// Winding numbers to check signs with. They are slow and simple, and share nothing with src/sign: other rays, other
+// decisions on edges, and no rays at all for open meshes.
 
 struct ReferenceWinding {
   double value = 0;
-  double error = 0;         ///< the true one is no farther from `value`
-  bool on_surface = false;  ///< the point is on a triangle, exactly: it has no side
+  double error = 0;         ///< bounds the distance of `value` from the true number
+  bool on_surface = false;  ///< the point is exactly on a triangle, and so neither inside nor outside
 };
 
-/// The crossings of the ray from p along +y, counted exactly: the winding number where the mesh is closed. Where it is
-/// closed but not oriented, the parity of the number is right. Takes a look at every 32nd triangle, and at those near
-/// the ray. Requires the groups of the same mesh, and coordinates that are zero or of magnitude 1e-90 to 1e100.
+/// The winding number of a closed mesh: the crossings of the ray from p along +y, counted exactly. If the mesh is
+/// closed but not oriented, the parity of the number is right. Tests the box of every group of 32 triangles, and the
+/// triangles near the ray. Requires the groups of the same mesh, and coordinates that are zero or of magnitude 1e-90 to
+/// 1e100.
 ReferenceWinding winding_by_crossings(const OrientedMesh& mesh, const TriangleGroups& groups, const Vec3& p);
 
-/// The sum of the triangles' solid angles over 4 pi (van Oosterom and Strackee 1983): the generalised winding number,
-/// of any mesh. Takes a look at every triangle. The error is infinite at a corner of a triangle.
+/// The generalised winding number of any mesh: the sum of all triangles' solid angles over 4 pi (van Oosterom and
+/// Strackee 1983). The error is infinite at a corner of a triangle.
 ReferenceWinding winding_by_angles(const OrientedMesh& mesh, const Vec3& p);
 
 }  // namespace standoff

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which triangles are left out before any distance is computed.
+// The skip rules: which triangles are left out before any distance is computed.
 #include "field/skip.h"
 
 #include <tbb/blocked_range.h>
@@ -33,11 +33,9 @@ std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule) {
   return triangles * (row ? row->bytes_per_triangle : std::int64_t{sizeof(std::uint32_t)});
 }
 
-// The rule `exact`.
-
 namespace {
 
-// Bits and not values are compared: 0 equals -0, but may give a result that does not.
+// Compares bits, not values: 0 equals -0, but their results may differ.
 bool same_bits(const Corners& a, const Corners& b) {
   using Bits = std::array<std::uint64_t, 9>;
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
@@ -52,9 +50,9 @@ std::uint32_t hash(const Corners& corners) {
   return static_cast<std::uint32_t>(h);
 }
 
-// Triangles in chunks that are looked at side by side.
+// Triangles of a chunk; chunks are hashed in parallel.
 constexpr std::int64_t kChunk = std::int64_t{1} << 14;
-// Entries are sorted in buckets by the top bits of their hash: enough for the sorting to stay in a near cache.
+// Entries are sorted in buckets by the top bits of their hash: a bucket fits into a near cache.
 constexpr int kBucketBits = 11;
 constexpr std::uint32_t kBuckets = 1u << kBucketBits;
 constexpr std::uint32_t bucket_of(std::uint32_t hash) { return hash >> (32 - kBucketBits); }
@@ -115,8 +113,8 @@ class ExactRule {
     });
   }
 
-  // Compares each triangle with the ones of equal hash that stay. Different triangles with one hash are rare by chance
-  // and could be many by design; past a few, the rest simply stays.
+  // Compares each triangle with the triangles of equal hash that stay. Different triangles rarely have one hash by
+  // chance, but an attacker could make many; past a few, the rest simply stays.
   void drop_copies(std::uint32_t bucket) {
     const auto begin = entries_.begin() + start_[bucket], end = entries_.begin() + start_[bucket + 1];
     std::sort(begin, end);
@@ -152,13 +150,11 @@ std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, d
   return ExactRule(mesh, grid, thickness).kept();
 }
 
-// Copies where there are very many.
-
 namespace {
 
 using CornerBits = std::array<std::uint64_t, 9>;
 
-// CornerBits and not values are compared: 0 equals -0, but may give a result that does not.
+// Compares bits, not values: 0 equals -0, but their results may differ.
 CornerBits corner_bits_of(MeshView mesh, std::uint32_t triangle) {
   return std::bit_cast<CornerBits>(Corners(mesh.corners(triangle)));
 }
@@ -179,14 +175,14 @@ std::uint32_t nth_among(std::span<const std::uint32_t> among, std::size_t n) {
   return among.empty() ? static_cast<std::uint32_t>(n) : among[n];
 }
 
-// Triangles by their corners: a table of places, with linear probing.
+// A hash table of triangles by their corners, with linear probing.
 class CornerTable {
  public:
   CornerTable(MeshView mesh, std::size_t most) : mesh_(mesh), places_(most + most / 4 + 1, kNoTriangle) {}
 
   /// Returns whether a triangle with the same corners was added before.
   bool add(std::uint32_t triangle) {
-    // Triangles of one hash could be many by design: past so many, the rest counts as new.
+    // An attacker could make many triangles of one hash: past this number, the rest counts as new.
     constexpr int kMostCompared = 64;
     const CornerBits bits = corner_bits_of(mesh_, triangle);
     std::size_t place = static_cast<std::size_t>((corner_hash(bits) >> 32) * places_.size() >> 32);
@@ -208,8 +204,8 @@ class CornerTable {
 
 }  // namespace
 
-// Of k triangles taken at random, about k^2 / 2n (m - 1) pairs are copies, if a triangle has m - 1 others on average:
-// with k = 8 sqrt(n), that is 32 (m - 1). A triangle that was taken twice is no copy.
+// If a triangle has m - 1 other copies on average, about k^2 / 2n (m - 1) pairs of k random triangles are copies: with
+// k = 8 sqrt(n), that is 32 (m - 1). A triangle that was taken twice is no copy.
 bool has_many_copies(MeshView mesh, std::span<const std::uint32_t> among) {
   const std::size_t all = number_among(mesh, among);
   const auto taken = std::min(all, static_cast<std::size_t>(8 * std::sqrt(static_cast<double>(all))));

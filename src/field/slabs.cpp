@@ -15,7 +15,7 @@
 namespace standoff {
 namespace {
 
-constexpr std::int64_t kTileLayers = kBrickSide / kTileSide;  // of a layer of bricks
+constexpr std::int64_t kTileLayers = kBrickSide / kTileSide;  // layers of tiles per layer of bricks
 
 void check_slab_samples(std::int64_t samples) {
   if (samples < 1)
@@ -23,8 +23,8 @@ void check_slab_samples(std::int64_t samples) {
                 "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
 }
 
-// On a GPU there are no slabs. If the caller does not mind, the CPU makes some: where the whole field would be beyond
-// the memory limit, or there is none.
+// A GPU computes no slabs. Backend::automatic takes the CPU for slabs if the whole field would exceed the memory limit,
+// or if there is no limit.
 ComputeOptions with_slabs(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
                           std::int64_t slab_samples) {
   if (options.execution.backend != Backend::automatic) return options;
@@ -80,7 +80,7 @@ class SlabComputation::Work {
   // The only slab.
   void fill_whole() { report_ = fill_field(computation_, field_, options_); }
 
-  // What all slabs need.
+  // Prepares the data that all slabs share.
   void prepare() {
     job_.emplace(computation_.job());
     Stopwatch watch;
@@ -88,8 +88,8 @@ class SlabComputation::Work {
     computation_.report().seconds.compute = watch.lap();
     if (const SignMethod method = computation_.sign_method();
         method != SignMethod::none && method != SignMethod::shell) {
-      sides_ = computation_.sides({});
-      if (sides_) rows_.emplace(*sides_, options_.sign.invert, plan().grid, computation_.progress());
+      signs_ = computation_.signs({});
+      if (signs_) rows_.emplace(*signs_, options_.sign.invert, plan().grid, computation_.progress());
     }
     computation_.report().seconds.sign = watch.lap();
     gather_ = plan().row->in_layers(*job_);
@@ -126,8 +126,8 @@ class SlabComputation::Work {
   Computation computation_;
   std::uint64_t hash_ = 0;
   std::optional<Job> job_;
-  std::unique_ptr<LayerGather> gather_;  // none where the only slab is the whole field
-  std::unique_ptr<SampleSigns> sides_;
+  std::unique_ptr<LayerGather> gather_;  // null if the only slab is the whole field
+  std::unique_ptr<SampleSigns> signs_;
   std::optional<RowsOfTiles> rows_;
   ComputeReport report_;
   DistanceField field_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a field is right: its distances, its nearest triangles and its signs, each by other means than compute() has.
+// Verifies a field: its distances, nearest triangles and signs, each by other means than compute() uses.
 #include "standoff/verify.h"
 
 #include <tbb/parallel_for.h>
@@ -27,32 +27,31 @@
 
 namespace standoff {
 
-// Which side of a mesh a point is on, for verify: by what the field says about its sign, but not by how it was
-// computed.
-
 namespace {
 
-struct SideJudgement {
-  std::optional<bool> inside;     ///< empty: on the surface, too near to it for rounding, or it cannot be known here
-  std::optional<double> winding;  ///< the reference's winding number, if the side was decided by it
+// The sign of a point by the reference.
+struct PointSign {
+  std::optional<bool> inside;     ///< empty if it is undefined on the surface, hidden by rounding, or cannot be judged
+  std::optional<double> winding;  ///< the reference's winding number, if it decided the sign
 };
 
+// Decides signs by the definition of the field's sign method, without the code that computed them.
 class SignJudge {
  public:
   /// `use` as in OrientedMesh. The mesh and the groups must outlive this. Runs on the threads of the calling TBB arena.
   SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use);
 
-  /// Whether a side can be judged at all. Of `flood` it is that of points beyond the mesh's box alone; of `normal` that
-  /// of points which are on the same side of all nearest triangles; of `shell`, and of a parity that this mesh does not
-  /// have, it is none.
-  bool can_judge() const { return way_ != Way::none; }
-  /// `allowed` is the error that the point's distance may have: world units.
-  SideJudgement judge(const Vec3& p, double allowed) const;
+  /// Whether any sign can be judged. With `flood` this is possible only for points beyond the mesh's box; with `normal`
+  /// for points on the same side of all nearest triangles; with `shell`, or with `parity` on a mesh that is not closed,
+  /// for none.
+  bool can_judge() const { return by_ != By::none; }
+  /// `allowed`: the error that the point's distance may have, world units.
+  PointSign judge(const Vec3& p, double allowed) const;
 
  private:
-  enum class Way { none, crossings, angles, box, nearest };
+  enum class By { none, crossings, angles, box, nearest };
 
-  SideJudgement by_winding(const Vec3& p) const;
+  PointSign by_winding(const Vec3& p) const;
   std::optional<bool> behind_nearest(const Vec3& p, double allowed) const;
   bool is_inside(double whole) const;
 
@@ -60,11 +59,11 @@ class SignJudge {
   const TriangleGroups& groups_;
   SignText sign_;
   std::vector<std::int8_t> use_;
-  Way way_ = Way::none;
+  By by_ = By::none;
   Box box_;
 };
 
-// Edge by edge, without the hashes that compute() relies on.
+// Checks edge by edge, without the hashes that compute() relies on.
 Closed closed_in_use(const OrientedMesh& mesh) {
   Closed closed{true, true};
   MeshEdges(mesh.mesh).for_each([&](std::span<const HalfEdge> uses) {
@@ -80,8 +79,8 @@ Closed closed_in_use(const OrientedMesh& mesh) {
   return closed;
 }
 
-// So near to a threshold compute() leaves the side of an open mesh's sample to rounding (sign/open_winding).
-constexpr double kEitherSide = 1e-9;
+// Nearer to a threshold than this, rounding may decide the sign of an open mesh's sample (sign/open_winding).
+constexpr double kEitherSign = 1e-9;
 
 bool contains(const Box& box, const Vec3& p) { return min(box.min, p) == box.min && max(box.max, p) == box.max; }
 
@@ -91,10 +90,10 @@ bool is_closed_in_use(const OrientedMesh& mesh) { return closed_in_use(mesh).ori
 SignJudge::SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use)
     : groups_(groups), sign_(sign), use_(std::move(use)), box_(bounds(mesh)) {
   mesh_ = {mesh, use_};
-  if (sign.method == SignMethod::flood) way_ = Way::box;
-  if (sign.method == SignMethod::normal) way_ = Way::nearest;
-  if (sign.method == SignMethod::parity && closed_in_use(mesh_).unoriented) way_ = Way::crossings;
-  if (sign.method == SignMethod::winding) way_ = closed_in_use(mesh_).oriented ? Way::crossings : Way::angles;
+  if (sign.method == SignMethod::flood) by_ = By::box;
+  if (sign.method == SignMethod::normal) by_ = By::nearest;
+  if (sign.method == SignMethod::parity && closed_in_use(mesh_).unoriented) by_ = By::crossings;
+  if (sign.method == SignMethod::winding) by_ = closed_in_use(mesh_).oriented ? By::crossings : By::angles;
 }
 
 bool SignJudge::is_inside(double whole) const {
@@ -103,13 +102,13 @@ bool SignJudge::is_inside(double whole) const {
   return sign_.rule == WindingRule::nonzero ? whole != 0 : whole > 0;
 }
 
-SideJudgement SignJudge::by_winding(const Vec3& p) const {
+PointSign SignJudge::by_winding(const Vec3& p) const {
   const ReferenceWinding winding =
-      way_ == Way::crossings ? winding_by_crossings(mesh_, groups_, p) : winding_by_angles(mesh_, p);
-  // All rules depend on the nearest whole number alone, so the side changes at the halves.
+      by_ == By::crossings ? winding_by_crossings(mesh_, groups_, p) : winding_by_angles(mesh_, p);
+  // All rules depend only on the nearest whole number, so the sign changes at the halves.
   const double whole = std::round(winding.value);
   const double from_whole = std::abs(winding.value - whole) + winding.error;
-  if (winding.on_surface || !(from_whole < 0.5 - kEitherSide)) return {};
+  if (winding.on_surface || !(from_whole < 0.5 - kEitherSign)) return {};
   return {is_inside(whole), winding.value};
 }
 
@@ -121,7 +120,7 @@ std::optional<bool> SignJudge::behind_nearest(const Vec3& p, double allowed) con
     if (mesh_.use_of(triangle) == 0) return;
     const auto [a, b, c] = mesh_.corners(triangle);
     const Vec3 normal = cross(b - a, c - a);
-    // Not a number for a triangle without an area, which has no side.
+    // This is NaN for a triangle without area, which has no normal: it decides nothing.
     const double height = dot(p - a, normal) / length(normal);
     front = front || height > allowed;
     back = back || height < -allowed;
@@ -129,16 +128,14 @@ std::optional<bool> SignJudge::behind_nearest(const Vec3& p, double allowed) con
   return front == back ? std::nullopt : std::optional(back);
 }
 
-SideJudgement SignJudge::judge(const Vec3& p, double allowed) const {
-  SideJudgement side;
-  if (way_ == Way::nearest) side.inside = behind_nearest(p, allowed);
-  if (way_ == Way::box && !contains(box_, p)) side.inside = false;
-  if (way_ == Way::crossings || way_ == Way::angles) side = by_winding(p);
-  if (side.inside) side.inside = *side.inside != sign_.invert;
-  return side;
+PointSign SignJudge::judge(const Vec3& p, double allowed) const {
+  PointSign sign;
+  if (by_ == By::nearest) sign.inside = behind_nearest(p, allowed);
+  if (by_ == By::box && !contains(box_, p)) sign.inside = false;
+  if (by_ == By::crossings || by_ == By::angles) sign = by_winding(p);
+  if (sign.inside) sign.inside = *sign.inside != sign_.invert;
+  return sign;
 }
-
-// The check of a field.
 
 struct Sample {
   std::int64_t i, j, k;
@@ -156,7 +153,7 @@ std::vector<Sample> choose_samples(const DistanceField& field, std::int64_t coun
   constexpr std::int64_t side = DistanceField::kTileSide;
   const Size3 size = field.grid().size;
   if (field.grid().sample_count() <= count) return all_samples(size);
-  // The generator's numbers are the same everywhere, which the standard does not promise of its distributions.
+  // The generator gives the same numbers everywhere; the standard promises nothing of the kind for distributions.
   std::mt19937_64 random(seed);
   const auto below = [&random](std::int64_t n) {
     return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
@@ -184,22 +181,22 @@ struct Finding {
   bool in_band = false;
   bool wrong = false;
   bool nearest_wrong = false;
-  SideJudgement side;
+  PointSign sign;
 };
 
-// The orientation that the sign was decided with, as OrientedMesh::use says it. Which one a mesh was meant to have is
-// no question of right and wrong, so compute()'s answer is taken; verify checks what follows from it.
+// The orientation that the sign was decided with, in the form of OrientedMesh::use. No orientation is right or wrong,
+// so verify takes compute()'s answer and checks what follows from it.
 std::vector<std::int8_t> oriented_for_sign(MeshView mesh, const SignText& sign) {
   if (!sign.oriented) return {};
   return orient(mesh, MeshEdges(mesh)).use;
 }
 
-// The triangles that distances are to, as SignPlan::exposed says it.
+// The triangles that count for distances, in the form of SignPlan::exposed.
 std::vector<std::uint32_t> exposed_in(MeshView mesh, const SignText& sign, const std::vector<std::int8_t>& use,
                                       ProgressMeter& progress) {
   if (!sign.outer) return {};
   const OrientedMesh oriented{mesh, use};
-  // Of a mesh that is not closed there is no such field. It is another one than the field's, and has all its triangles.
+  // SignOptions::outer requires a closed mesh, so this is not the mesh of the field: check it with all triangles.
   if (!is_closed_in_use(oriented)) return {};
   std::vector<std::uint32_t> exposed;
   const std::vector<Exposure> of = find_exposed(oriented, sign.rule, progress).of;
@@ -208,7 +205,7 @@ std::vector<std::uint32_t> exposed_in(MeshView mesh, const SignText& sign, const
   return exposed;
 }
 
-// Groups of those, without copies where these are many; none where they are all triangles.
+// Groups of these triangles, without copies if they are many; empty if all triangles count.
 std::optional<TriangleGroups> groups_with_distances(MeshView mesh, const SignText& sign,
                                                     const std::vector<std::int8_t>& use, ProgressMeter& progress) {
   const std::vector<std::uint32_t> exposed = exposed_in(mesh, sign, use, progress),
@@ -239,7 +236,7 @@ class Check {
   void compare_nearest(double distance, Finding& finding) const;
 
   const DistanceField& field_;
-  // The triangles that distances are to; the sign is that of all.
+  // The triangles that count for distances; all triangles count for signs.
   const TriangleGroups& near() const { return near_ ? *near_ : groups_; }
 
   SignText sign_;
@@ -272,21 +269,21 @@ void Check::compare_distance(double distance, Finding& finding) const {
   sample.allowed = allowed_error(field_.grid(), sample.expected);
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
   finding.in_band = distance <= field_.thickness();
-  // The value 0 has no side. Normals decide in the band; what is beyond takes the side of its surroundings.
-  const bool has_side = sample.stored != 0 && !std::isnan(sample.stored);
-  if (has_side && (finding.in_band || sign_.method != SignMethod::normal))
-    finding.side = judge_.judge(sample.position, sample.allowed);
-  if (finding.side.inside.value_or(false)) sample.expected = -sample.expected;
+  // The value 0 has no sign. Normals decide signs in the band only; samples beyond take the sign of their surroundings.
+  const bool has_sign = sample.stored != 0 && !std::isnan(sample.stored);
+  if (has_sign && (finding.in_band || sign_.method != SignMethod::normal))
+    finding.sign = judge_.judge(sample.position, sample.allowed);
+  if (finding.sign.inside.value_or(false)) sample.expected = -sample.expected;
 }
 
-// `value` is the distance to the surface of the thickened sheet.
+// `value`: the distance from the surface of the thickened sheet.
 void Check::compare_shell(double value, Finding& finding) const {
   SampleCheck& sample = finding.sample;
   const double thickness = field_.thickness();
   sample.expected = std::clamp(value, -thickness, thickness);
   sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
   finding.in_band = std::abs(value) <= thickness;
-  if (std::abs(value) > sample.allowed) finding.side.inside = (value < 0) != sign_.invert;
+  if (std::abs(value) > sample.allowed) finding.sign.inside = (value < 0) != sign_.invert;
   if (sign_.invert) sample.expected = -sample.expected;
   sample.error = std::abs(sample.stored - sample.expected);
 }
@@ -294,7 +291,7 @@ void Check::compare_shell(double value, Finding& finding) const {
 void Check::compare_nearest(double distance, Finding& finding) const {
   const SampleCheck& sample = finding.sample;
   const std::uint32_t nearest = field_.nearest(sample.i, sample.j, sample.k);
-  // Near the thickness rounding decides whether there is a nearest triangle.
+  // Near the thickness, rounding decides whether a sample has a nearest triangle.
   if (nearest == kNoTriangle)
     finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < field_.thickness() - sample.allowed;
   else
@@ -305,15 +302,15 @@ void Check::compare_nearest(double distance, Finding& finding) const {
 void count_sign(const Finding& finding, SignCheck& sign) {
   const SampleCheck& sample = finding.sample;
   sign.negative += sample.stored < 0;
-  if (!finding.side.inside) {
+  if (!finding.sign.inside) {
     ++sign.unknown;
     return;
   }
   ++sign.checked;
-  if ((sample.stored < 0) == *finding.side.inside) return;
+  if ((sample.stored < 0) == *finding.sign.inside) return;
   if (sign.wrong == 0 || std::abs(sample.expected) > std::abs(sign.worst.expected)) {
     sign.worst = sample;
-    sign.worst_winding = finding.side.winding.value_or(std::numeric_limits<double>::quiet_NaN());
+    sign.worst_winding = finding.sign.winding.value_or(std::numeric_limits<double>::quiet_NaN());
   }
   ++sign.wrong;
 }

@@ -10,18 +10,18 @@
 namespace standoff::cpu {
 namespace {
 
-// A triangle's bricks in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well.
-// Enough for all but long triangles and grids of more than 2^29 bricks, which are looked at again when they are needed.
+// The bricks of a triangle in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well.
+// Long triangles, and grids of more than 2^29 bricks, do not fit: their bricks are computed again when needed.
 constexpr std::uint32_t kNowhere = 0xffffffffu;
 constexpr std::uint32_t kLong = 0xfffffffeu;
 constexpr int kSpanBits = 3;
 constexpr std::int64_t kMostKeyedBricks = (std::int64_t{1} << (32 - kSpanBits)) - 1;
 
-// Triangles between two chances for the caller to stop; long ones may touch a million bricks each.
+// Triangles between two checks whether the caller wants to stop; a long one may touch a million bricks.
 constexpr std::int64_t kCheckEvery = 256;
 
-// Triangles are counted and sorted in chunks side by side, each with counters of its own: as many chunks as help, as
-// long as the counters stay small.
+// Chunks of triangles are counted and sorted in parallel, each with its own counters: use as many chunks as help while
+// the counters stay small.
 std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int threads) {
   constexpr std::int64_t kMostCounters = std::int64_t{4} << 20;
   constexpr std::int64_t kLeastTriangles = 4096;
@@ -67,7 +67,7 @@ class BinBatches::Binning {
   }
 
  private:
-  // A long triangle misses most bricks of its box: take those whose centre is near enough.
+  // A long triangle misses most bricks of its box: take the bricks whose centre is near enough.
   template <class Use>
   void for_each_brick_of_long(std::uint32_t triangle, Use use) const {
     const CellRange r = range(triangle);
@@ -83,7 +83,7 @@ class BinBatches::Binning {
   const Job& job_;
   const BlockLattice& lattice_;
   Reach kind_;
-  double reach_sq_;  // from a brick's centre, grid units
+  double reach_sq_;  // cell_reach_sq() of a brick, grid units
 };
 
 BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach)
@@ -105,7 +105,7 @@ BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t
     }
   });
 
-  // Room for the largest batch, so that no batch has to move to a larger place while the old one is still held.
+  // Reserve room for the largest batch: growing later would hold old and new memory at once.
   std::int64_t all = 0, fullest = 0;
   for (std::int64_t brick = 0; brick < bricks_; ++brick) {
     std::int64_t here = 0;

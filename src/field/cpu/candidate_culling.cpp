@@ -10,22 +10,22 @@
 namespace standoff::cpu {
 namespace {
 
-// The most entries of a list. Where more candidates are left, nodes of them stay closed, and are opened part by part
-// where the tile is: so what a thread holds does not grow with the mesh. Lists of scenes and scans are shorter
-// (docs/tiles.md, Memory).
+// The most entries of a list. If there are more candidates, some nodes stay closed, and the tile opens them part by
+// part: so the memory of a thread does not grow with the mesh. Lists of scenes and scans are shorter (docs/tiles.md,
+// Memory).
 constexpr std::int64_t kMostEntries = std::int64_t{1} << 15;
-// Nodes opened at once where not all fit into the list; what that adds to a list, level by level of nodes within nodes.
+// Nodes opened at once if not all fit into the list; this bounds the entries that each level of nodes adds to a list.
 constexpr std::int64_t kNodesAtOnce = 64;
 constexpr std::int64_t kOpening = kNodesAtOnce * (Bvh::kFanout - 1) * Bvh::kMostLevels;
 static_assert((std::uint64_t{1} << 4 * Bvh::kMostLevels) >= kMaxTriangles);
 
 std::int64_t list_capacity(std::int64_t entries) { return std::min(kMostEntries + kOpening, entries); }
 
-// Small triangles from which on a tile is crowded. Setting a triangle up costs more than looking at its box, but a box
-// is looked at by each of eight cells. The value is arbitrary within a factor of two: it was not fitted.
+// A tile with this many small triangles is crowded. Setting up a triangle costs more than testing its box, but each of
+// eight cells tests the box. The value is arbitrary within a factor of two: it was not fitted.
 constexpr std::int64_t kCrowd = 800;
 
-// What the half extents of cells are rounded up by: this share, and as many grid units.
+// The half extents of cells are rounded up by this share, and by this number of grid units.
 constexpr float kCellSlack = 1e-6f;
 static_assert(kCellSlack > gamma_float(16));
 
@@ -93,7 +93,7 @@ CandidateLists CandidateCulling::make_lists(int level_count) const {
   return {level_count, list_capacity(bvh_.entries())};
 }
 
-// Centre and half extents in grid units, relative to the grid's centre. The half extents are rounded up.
+// Centre and half extents are in grid units relative to the grid's centre. The half extents are rounded up.
 CellTarget CandidateCulling::target(const Cell& cell, const References& near) const {
   CellTarget target{{}, near};
   for (int axis = 0; axis < 3; ++axis) {
@@ -138,8 +138,8 @@ bool CandidateCulling::open_nodes(const CellTarget& target, float largest, BoxLi
   return all;
 }
 
-// Takes nodes that are longer than `largest` out of the list, looking at its entries from the first on, as long as what
-// they hold has room in it. Returns whether all such nodes were taken.
+// Moves nodes longer than `largest` from the list to `nodes`, beginning at entry `first`, while the list has room for
+// their children. Returns whether all such nodes were moved.
 bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& list, std::vector<BvhNode>& nodes) const {
   nodes.clear();
   const auto most =
@@ -162,7 +162,7 @@ bool CandidateCulling::take_large(std::int64_t first, float largest, BoxList& li
   return all;
 }
 
-// The last nodes are opened first, so that few wait.
+// Opens the last nodes first, so that few wait.
 bool CandidateCulling::next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const {
   job_.progress.check();
   BoxList& part = lists.part;
@@ -202,7 +202,7 @@ SurfacePoints CandidateCulling::points_of(const CullCell& samples, const BoxArra
   SurfacePoints points;
   for (int first = 0; first < kLatticePoints; first += TriangleLanes::kCount) {
     TriangleLanes lanes;
-    const auto place = [&](int lane) {  // past the end, the last one again
+    const auto place = [&](int lane) {  // lanes past the end repeat the last entry
       const int n = std::min(first + lane, kLatticePoints - 1);
       return std::array{n % kLatticeSide, n / kLatticeSide % kLatticeSide, n / (kLatticeSide * kLatticeSide)};
     };
@@ -221,7 +221,7 @@ SurfacePoints CandidateCulling::points_of(const CullCell& samples, const BoxArra
   return points;
 }
 
-// A triangle near `at`: the one found by following the nearest boxes down.
+// Finds a triangle near `at` by following the nearest boxes down.
 std::uint32_t CandidateCulling::near_triangle(std::uint32_t entry, const float (&at)[3]) const {
   while (bvh_.is_node(entry)) {
     const BvhNode node = bvh_.node(entry);

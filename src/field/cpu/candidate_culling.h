@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thick bands and full fields: which triangles each brick, tile and cell has to look at (docs/tiles.md).
+// Thick bands and full fields: the candidates of each brick, tile and cell, its triangles that may be nearest to one of
+// its samples (docs/tiles.md).
 //
 //   triangles in nodes of 16, nodes of nodes (bvh/bvh.h)
-//       |  the largest nodes
+//       |  the root nodes
 //       v
 //   +-------------+     +------+     +---+   +--+
 //   |             | --> |      | --> |   |-->|  |--> triangles of a tile, or of a cell where a tile is crowded
@@ -10,14 +11,14 @@
 //   |             |     +------+     +---+   tile
 //   +-------------+                  brick
 //
-// A cell's list is made out of its parent's in three steps.
-//   1. Cull. An entry (a triangle or a node, by its box) is dropped where it cannot hold the point nearest to any
-//      sample of the cell: it is beyond the thickness, or for each sample some reference, a point of the surface, is
+// A cell's list is made from its parent's list in three steps.
+//   1. Cull. An entry, which is a triangle or a node, is dropped if its box cannot hold the point nearest to any sample
+//      of the cell: the box is beyond the thickness, or for each sample some reference, a point of the surface, is
 //      nearer.
-//   2. Open. Nodes longer than half the cell are replaced by what they hold, culled alike, until none is left. Where
-//      the list is full the rest stays closed, and the tile opens it part by part.
-//   3. Points. Near each of the 3x3x3 points that divide the cell into halves a point of the surface is found, by
-//      following the nearest boxes down to a triangle. Those at its eight corners are a half's references.
+//   2. Open. Nodes longer than half the cell are replaced by their children, which are culled the same way, until none
+//      is left. If the list is full, the rest stays closed, and the tile opens it part by part.
+//   3. Find references. Near each of the 3x3x3 points that divide the cell into halves, a point of the surface is found
+//      by following the nearest boxes down to a triangle. The points at a half's eight corners are its references.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -33,9 +34,8 @@
 
 namespace standoff::cpu {
 
-// The cells that candidates are handed down through: the grid, its halves, and theirs.
-
-/// Samples [low, high) per axis of the grid, 2^n of them on a side before the grid cuts it.
+/// A cell of the hierarchy: the grid, a half of it, a half of that, and so on. It holds samples [low, high) per axis,
+/// `side` = 2^n of them unless the grid ends before.
 struct Cell {
   std::int64_t low[3], high[3];
   std::int64_t side;
@@ -50,14 +50,14 @@ inline Cell whole_grid(const BlockLattice& lattice) {
   return whole;
 }
 
-/// How many cells lie within one another from the grid to a brick, both counted.
+/// The number of levels from the grid to a brick, both included.
 inline int levels_of(const BlockLattice& lattice) {
   int levels = 1;
   for (std::int64_t side = whole_grid(lattice).side; side > kBrickSide; side /= 2) ++levels;
   return levels;
 }
 
-/// The eight or fewer halves of a cell; returns how many.
+/// Writes the halves of a cell, along all three axes; returns their number, at most eight.
 inline int halves(const Cell& cell, Cell (&parts)[8]) {
   int count = 0;
   const std::int64_t half = cell.side / 2;
@@ -75,15 +75,15 @@ inline int halves(const Cell& cell, Cell (&parts)[8]) {
   return count;
 }
 
-/// Which of a brick's tiles a half of it is.
+/// The number of a tile in its brick.
 inline int tile_in(const Cell& brick, const Cell& tile) {
   int number = 0;
   for (int axis = 0; axis < 3; ++axis) number += tile.low[axis] > brick.low[axis] ? 1 << axis : 0;
   return number;
 }
 
-/// Bricks [low, high) per axis: what one thread does, until another wants half of it (TBB's Range). It is cut where
-/// cells are, across its longest side, so that what a thread does lies together.
+/// Bricks [low, high) per axis: the work of a thread, until another thread takes half of it (TBB's Range). It is cut
+/// between cells, across its longest side, so that the work of a thread stays compact.
 class BrickRange {
  public:
   BrickRange(const BlockLattice& lattice, const BrickLayers& layers)
@@ -98,7 +98,7 @@ class BrickRange {
   bool empty() const { return false; }
   bool is_divisible() const { return high_[longest()] - low_[longest()] > 1; }
 
-  /// How many bricks of the cell are in the range.
+  /// The number of the cell's bricks in the range.
   std::int64_t bricks_of(const Cell& cell) const {
     std::int64_t count = 1;
     for (int axis = 0; axis < 3; ++axis) {
@@ -120,9 +120,7 @@ class BrickRange {
   std::int64_t low_[3], high_[3];
 };
 
-// A list of boxes, of a length that is known beforehand.
-
-/// There is always room for a whole register past the last entry, which the kernels may touch.
+/// A list of boxes of fixed capacity. The kernels may write a whole register past the last entry: there is room for it.
 class BoxList {
  public:
   explicit BoxList(std::int64_t capacity)
@@ -146,7 +144,7 @@ class BoxList {
                      arrays_.high[2][n] - arrays_.low[2][n]});
   }
   const BoxArrays& arrays() const { return arrays_; }
-  /// For kernels that add to the list.
+  /// The memory of the list, for kernels that add to it.
   BoxArrays& arrays() { return arrays_; }
 
   void clear() { arrays_.count = 0; }
@@ -185,83 +183,83 @@ struct SurfacePoints {
   float at[kLatticeSide][kLatticeSide][kLatticeSide][3];  // z, y, x, coordinate
 };
 
-/// The references of a half of `cell`.
+/// The references of `half`, which is a half of `cell`.
 References references_of(const SurfacePoints& points, const Cell& cell, const Cell& half);
 
-/// What candidates are culled for: the samples of a cell, and points of the surface near its corners.
+/// The target of a culling step: the samples of a cell, and points of the surface near its corners.
 struct CellTarget {
   CullCell samples;
   References near;
 };
 
-/// Boxes are kept in grid units relative to the centre of the grid.
+/// The frame of the boxes: grid units relative to the centre of the grid.
 BvhFrame frame_of(const BlockLattice& lattice);
 
-/// Nodes longer than this are opened on the way to a cell, grid units: half its longest side. A longer node is a poor
-/// stand-in for its triangles there; a shorter one is opened further down, where most of it has been culled.
+/// Nodes longer than this are opened for a cell, grid units: half its longest side. A longer node bounds its triangles
+/// poorly there; a shorter one is opened further down, where most of its triangles are culled.
 float opened_length(const CullCell& samples);
 
 /// A cell and its list.
 struct CellCandidates {
   explicit CellCandidates(std::int64_t capacity) : list(capacity) {}
 
-  Cell cell{};  ///< none yet: its side is zero
+  Cell cell{};  ///< side 0: no cell yet
   BoxList list;
-  SurfacePoints points;  ///< where the list is not empty
+  SurfacePoints points;  ///< valid if the list is not empty
 };
 
-/// What one thread uses again and again.
+/// The memory of a thread.
 struct CandidateLists {
   CandidateLists(int level_count, std::int64_t capacity);
   static std::int64_t bytes(int level_count, std::int64_t capacity);
 
-  /// The whole grid first, a brick last. A level holds the cell that was entered last, so that the bricks of one cell
-  /// share its list.
+  /// One per level, the whole grid first and a brick last. A level holds the cell that was entered last, so that the
+  /// bricks of a cell share its list.
   std::vector<CellCandidates> levels;
   BoxList tile, cell;
-  BoxList part;  ///< of the candidates of a tile or cell, where they are too many for one list
+  BoxList part;  ///< some candidates of a tile or cell that has too many for one list
   std::vector<BvhNode> nodes;
   std::vector<std::uint32_t> triangles;
 };
 
-/// Many threads may ask, each with lists of its own.
+/// Makes the lists of cells. Many threads may use it at once, each with its own lists.
 class CandidateCulling {
  public:
-  /// `order` of the triangles: morton_order() or halving_order().
+  /// `order`: the order of triangles in the BVH, by morton_order() or halving_order().
   CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels,
                    std::vector<std::uint32_t> order);
-  /// Bytes that it and the lists of so many threads may hold, whatever the triangles.
+  /// An upper bound of the bytes of this and the lists of all threads.
   static std::int64_t bytes(std::int64_t triangles, const BlockLattice& lattice, int threads);
-  /// Of that, its own, while they are made.
+  /// The share of the BVH in it, while it is built.
   static std::int64_t bvh_bytes(std::int64_t triangles, int threads);
 
-  /// For cells within cells, so many.
+  /// Makes the lists of a thread, for this number of levels.
   CandidateLists make_lists(int level_count) const;
   CellTarget target(const Cell& cell, const References& near) const;
-  /// The mesh index of an entry that is a triangle.
+  /// The triangle of an entry that is no node.
   std::uint32_t triangle(std::uint32_t entry) const { return bvh_.order()[entry]; }
   const Bvh& bvh() const { return bvh_; }
-  /// The largest nodes, which hold all others.
+  /// The root nodes.
   const BoxArrays& roots() const { return roots_.arrays(); }
 
-  /// The candidates of a cell of a level, 0 being the whole grid. Requires that its parent was entered before.
+  /// The candidates of a cell of a level; level 0 is the whole grid. Requires that its parent was entered before.
   const CellCandidates& enter(int level, const Cell& cell, const References& near, CandidateLists& lists) const;
 
-  /// What of the parent's list may be nearest to a sample of the target, with no node longer than `largest` where there
-  /// is room for what they hold. Returns whether there was.
+  /// Writes to `result` the entries of `parent` that may be nearest to a sample of the target. Opens nodes longer than
+  /// `largest` while there is room for their children; returns whether there was room for all.
   bool narrow(const BoxArrays& parent, const CellTarget& target, float largest, BoxList& result,
               std::vector<BvhNode>& nodes) const;
-  /// Puts in the place of nodes longer than `largest` what of them may be nearest; returns as above.
+  /// Replaces nodes longer than `largest` by their children that may be nearest; returns the same as narrow().
   bool open_nodes(const CellTarget& target, float largest, BoxList& list, std::vector<BvhNode>& nodes) const;
-  /// Takes some candidates out of a list, opening all nodes, into lists.part: triangles alone. False at the end, where
-  /// the list is empty and no more are left.
+  /// Moves some candidates from `list` to lists.part, and opens all nodes among them, so that only triangles are left.
+  /// False if the list is empty.
   bool next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const;
 
-  /// Whether a tile has so many candidates, small ones, that its cells had better choose theirs by boxes.
+  /// Whether a tile has so many small candidates that its cells had better cull them by boxes.
   bool is_crowded(const BoxList& list, const CellTarget& tile) const;
   /// Requires a list with an entry.
   SurfacePoints points_of(const CullCell& samples, const BoxArrays& list) const;
-  /// A cell of a brick as the kernels see it; refers to `boxes`, all of triangles.
+  /// A cell of a brick as the kernels see it. Keeps a reference to `boxes`, which must all be boxes of triangles.
   CrowdedCell crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const;
 
  private:
@@ -272,7 +270,7 @@ class CandidateCulling {
   const Job& job_;
   const BlockLattice& lattice_;
   const Kernels& kernels_;
-  std::unique_ptr<float[][3]> centroids_;  // of the triangles by place, as exact as the boxes and in their frame
+  std::unique_ptr<float[][3]> centroids_;  // by entry, in the frame of the boxes and as exact as they are
   Bvh bvh_;
   BoxList roots_;
 };

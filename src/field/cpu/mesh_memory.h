@@ -13,18 +13,18 @@ namespace standoff::cpu {
 
 struct MeshMemory {
   enum class Numbers : std::uint8_t {
-    doubles,  ///< that are aligned: read where they lie
+    doubles,  ///< aligned doubles, read in place
     unaligned_doubles,
     floats,
   };
 
   const std::byte* vertices;
   std::ptrdiff_t vertex_stride;
-  const std::byte* triangles;  ///< the low 32 bits of the first index: those of a valid mesh have no others
+  const std::byte* triangles;  ///< the low 32 bits of the first index: in a valid mesh, all others are 0
   std::ptrdiff_t triangle_stride;
   std::ptrdiff_t index_bytes;
   Numbers numbers;
-  bool packed;  ///< aligned doubles and 32-bit indices, without gaps: no stride has to be looked up
+  bool packed;  ///< aligned doubles and 32-bit indices without gaps: strides are constants
 };
 
 /// Requires a valid mesh.
@@ -49,7 +49,7 @@ inline MeshMemory memory_of(const MeshView& mesh) {
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t),
               "packed vertices and triangles are read as arrays of these");
 
-/// A corner's coordinates: where they lie, or in `room`. kPacked requires mesh.packed.
+/// A corner's coordinates, in place or converted into `room`. kPacked requires mesh.packed.
 template <bool kPacked>
 STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t triangle, int which, double* room) {
   std::uint32_t vertex;
@@ -73,7 +73,7 @@ STANDOFF_INLINE const double* corner_of(const MeshMemory& mesh, std::uint32_t tr
   return room;
 }
 
-/// Begins to load a triangle's indices, for a corner_of() soon.
+/// Prefetches a triangle's indices for a later corner_of().
 STANDOFF_INLINE void prefetch_indices(const MeshMemory& mesh, std::uint32_t triangle) {
   __builtin_prefetch(mesh.triangles + std::ptrdiff_t{triangle} * mesh.triangle_stride);
 }

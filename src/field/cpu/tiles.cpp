@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The method `tiles` on the CPU: thin bands, whose triangles are sorted into the bricks that they reach (bins.h); thick
-// bands and full fields, whose candidates are handed down from coarse cells to tiles (candidate_culling.h).
+// The method `tiles` on the CPU. For thin bands, triangles are sorted into the bricks that they reach (bins.h). For
+// thick bands and full fields, candidates pass down from coarse cells to tiles (candidate_culling.h).
 #include "field/cpu/tiles.h"
 
 #include <tbb/parallel_for.h>
@@ -16,11 +16,9 @@
 
 namespace standoff::cpu {
 
-// What both share: triangles as the kernels take them, and the end of a brick.
-
 namespace {
 
-// Forgets the samples past the grid's far faces, so that stored tiles hold the thickness there.
+// Resets the samples past the grid's far faces, so that stored tiles hold the thickness there.
 void clear_outside(const BlockLattice& lattice, const Brick& brick, bool with_nearest, BrickState& state) {
   int size[3];
   for (int axis = 0; axis < 3; ++axis) size[axis] = inside<kBrickSide>(lattice, brick.at, axis);
@@ -56,7 +54,7 @@ class ThinBand final : public LayerGather {
   ThinBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels)
       : job_(job), lattice_(lattice), kernels_(kernels), batches_(job, lattice, most_refs(job.triangle_count())) {}
 
-  // Batches end where memory ends, layers where they do.
+  // A batch may span several layers, and a layer several batches: first use the rest of the last batch.
   void gather(const BrickLayers& layers, Sink& sink) override {
     const std::int64_t of_layer = lattice_.bricks[0] * lattice_.bricks[1], end = of_layer * layers.end;
     for (std::int64_t first = of_layer * layers.begin; first < end;) {
@@ -108,7 +106,7 @@ std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& latt
 
 // Thick bands and full fields.
 
-// What one thread uses for one brick after the other.
+// The memory of a thread.
 struct TileWork {
   explicit TileWork(CandidateLists&& candidates) : lists(std::move(candidates)) {}
 
@@ -189,7 +187,7 @@ class ThickBand final : public LayerGather {
     while (culling_.next_part(target, lists.tile, lists)) gather(lists.part.arrays());
   }
 
-  // A cell of a tile that has very many candidates.
+  // Gathers a cell of a crowded tile.
   void gather_cell(const Brick& brick, const Cell& cell, const References& near, TileWork& state) {
     CandidateLists& lists = state.lists;
     const CellTarget target = culling_.target(cell, near);
@@ -217,9 +215,7 @@ std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lat
   return CandidateCulling::bytes(triangles, lattice, threads) + static_cast<std::int64_t>(sizeof(TileWork)) * threads;
 }
 
-// The choice between them.
-
-// What the job's parts have in common stays where it is while they are gathered.
+// The parts of a job refer to the lattice, so it lives here.
 class Tiles final : public LayerGather {
  public:
   explicit Tiles(const Job& job) : lattice_(make_block_lattice(job.grid, job.thickness)) {

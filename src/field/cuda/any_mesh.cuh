@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes that lie in device memory in any layout: packed, as the kernels read them, and the boxes around them.
+// Meshes in device memory in any layout: packs them for the kernels, and finds the boxes around them.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,13 @@ struct Rows {
   std::int64_t count, stride;
 };
 
-/// Number n of all, counted through the rows.
+/// Number n, counted through the rows.
 template <class Number>
 STANDOFF_DEVICE Number number_at(const Rows& rows, std::int64_t n) {
   return reinterpret_cast<const Number*>(rows.first + n / 3 * rows.stride)[n % 3];
 }
 
-/// Threads stride over the numbers.
+/// Copies numbers, through which the threads stride.
 template <class Number>
 STANDOFF_KERNEL void pack_vertices(Rows rows, double* to) {
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < 3 * rows.count;
@@ -35,21 +35,22 @@ STANDOFF_KERNEL void pack_vertices(Rows rows, double* to) {
     to[n] = static_cast<double>(number_at<Number>(rows, n));
 }
 
-/// The same. What is negative or does not fit into 32 bits becomes kNoVertex, which no vertex has.
+/// The same for indices. An index that is negative or does not fit into 32 bits becomes kNoVertex, which no vertex has.
 template <class Index>
 STANDOFF_KERNEL void pack_triangles(Rows rows, std::uint32_t* to) {
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < 3 * rows.count;
        n += std::int64_t{blockDim.x} * gridDim.x) {
     const Index index = number_at<Index>(rows, n);
-    const auto value = static_cast<std::uint64_t>(index);  // of a negative one, a large number
+    const auto value = static_cast<std::uint64_t>(index);  // large if the index is negative
     to[n] = value < TriangleArray::kNoVertex ? static_cast<std::uint32_t>(value) : TriangleArray::kNoVertex;
   }
 }
 
-/// The mesh as kernels read it: in place if it is packed, else a copy in a workspace.
+/// The mesh in the layout of the kernels: in place if it is packed, else a copy in a workspace.
 class PackedMesh {
  public:
-  /// Takes room for copies. Errors: usage (null pointers, numbers that are not aligned, no triangle, too many of them).
+  /// Takes room for copies. Throws Error{usage} for null pointers, numbers that are not aligned, and no or too many
+  /// triangles.
   PackedMesh(const MeshView& view, gpu::Workspace& room)
       : vertices_(rows_of(view.vertices, view.vertices.type() == VertexArray::Type::float64 ? 8 : 4, "vertices")),
         triangles_(rows_of(view.triangles, view.triangles.index_bytes(), "indices")),
@@ -65,7 +66,7 @@ class PackedMesh {
       throw Error(ErrorCode::usage, "cuda: the mesh has more vertices than indices of 32 bits reach; split it");
   }
 
-  /// Puts the copying on the stream, if there is any.
+  /// Enqueues the copying, if any is needed.
   void pack(Stream stream) const {
     if (vertex_copy_) {
       const bool is_double = vertex_type_ == VertexArray::Type::float64;
@@ -101,12 +102,12 @@ class PackedMesh {
   Rows vertices_, triangles_;
   VertexArray::Type vertex_type_;
   TriangleArray::Type index_type_;
-  double* vertex_copy_ = nullptr;  // null too while room is only counted
+  double* vertex_copy_ = nullptr;  // also null while room is only measured
   std::uint32_t* triangle_copy_ = nullptr;
   DeviceMesh mesh_;
 };
 
-/// Of all corners the least coordinates, and the complements of the greatest, as numbers in the order of the doubles.
+/// The least coordinates of all corners, and the complements of the greatest, as integers in the order of the doubles.
 struct OrderedBounds {
   Counter low[3], high[3];
 };
@@ -116,16 +117,16 @@ STANDOFF_DEVICE Counter ordered(double value) {
   const auto bits = static_cast<Counter>(__double_as_longlong(value));
   return bits & kSignBit ? ~bits : bits | kSignBit;
 }
-/// The double of this number.
+/// The double that this integer stands for.
 inline double unordered(Counter number) {
   return std::bit_cast<double>(number & kSignBit ? number & ~kSignBit : ~number);
 }
-/// What was read may be old, then the atomic minimum decides.
+/// The plain read may be out of date; then the atomic minimum decides.
 STANDOFF_DEVICE void lower(Counter* at, Counter value) {
   if (value < load_relaxed(at)) atomicMin(at, value);
 }
 
-/// Threads stride over the triangles; those that are not valid are noted in the outcome.
+/// Threads stride over the triangles. Invalid triangles are noted in the outcome.
 STANDOFF_KERNEL void lower_bounds(DeviceMesh mesh, OrderedBounds* bounds, Outcome* outcome) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
@@ -148,21 +149,21 @@ STANDOFF_KERNEL void lower_bounds(DeviceMesh mesh, OrderedBounds* bounds, Outcom
   }
 }
 
-/// Where the GPU writes what it finds out about a mesh and its field.
+/// The GPU's findings about a mesh and its field.
 struct Found {
   OrderedBounds bounds;
   Outcome outcome;
 };
 
-/// Puts the search for the box around a mesh on the stream. The bytes of `found` are 0xff before.
+/// Enqueues the search for the box around a mesh. Requires that the bytes of `found` are 0xff.
 inline void find_box(const DeviceMesh& mesh, Found* found, Stream stream) {
-  constexpr std::int64_t kMostBlocks = 512;  // of which each thread lowers six numbers that all share
+  constexpr std::int64_t kMostBlocks = 512;  // few: each thread contends for the same six numbers
   launch(stream, "clear", clear_outcome, 1, 1, &found->outcome, static_cast<Counter*>(nullptr), 0);
   launch(stream, "bounds", lower_bounds, std::min(kMostBlocks, mesh.triangle_count / kThreads + 1), kThreads, mesh,
          &found->bounds, &found->outcome);
 }
 
-/// The box in a copy of what was found. Errors: input (a triangle that is not valid).
+/// The box that was found. Throws Error{input} if a triangle is not valid.
 inline Box box_of(const Found& found) {
   cuda::check(found.outcome, Task{});
   const OrderedBounds& b = found.bounds;

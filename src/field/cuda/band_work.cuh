@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin bands: what the blocks of gather_band take, one item after the other, and how a warp stages the item's
-// triangles.
+// Thin bands: the work items that the blocks of gather_band take, and how a warp stages an item's triangles.
 #pragma once
 
 #include "field/cuda/bin.cuh"
@@ -8,40 +7,40 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// Items of work. A tile with very many triangles, as on a coarse
-// grid, is worked on by several blocks at once: its list is cut into parts. Most tiles have none; in dense memory they
-// are filled 32 at a time, which keeps the memory busy while other blocks compute.
+// Items of work. The list of a tile with very many triangles, as on a coarse grid, is cut into parts, which several
+// blocks take at once. Most tiles have no triangle; in dense memory they are filled 32 at a time, which keeps the
+// memory busy while other blocks compute.
 
-/// Lists are cut into parts of so many triangles that they make at most this many more than there are tiles: enough for
-/// every multiprocessor to have many where all triangles lie in one tile. It is also how many tiles may be cut, and
-/// each of them takes 4 KiB of workspace. Decides no bit.
+/// Cutting lists adds at most this many parts: enough for every multiprocessor to have many, even if all triangles lie
+/// in one tile. It also bounds the number of tiles that are cut, each of which takes 4 KiB of workspace. Decides no
+/// bit.
 inline constexpr std::int64_t kMostParts = 4096;
-/// A part has this many triangles at least: one for each thread of a block.
+/// A part has at least this many triangles: one for each thread of a block.
 inline constexpr Counter kLeastPart = 128;
-/// Lists of more triangles are begun first, so that none of them is left when all others are done.
+/// Longer lists are begun first, so that none of them is left when all others are done.
 inline constexpr Counter kHeavyList = 512;
 
 inline constexpr std::uint32_t kWhole = 0xffffffffu;
 
-/// A tile, and a part of its list; or, without a list, the tiles to fill among the 32 from this one on along x.
+/// A tile and a part of its list; or, without a list, which of the 32 tiles from this one on along x are to be filled.
 struct WorkItem {
   std::int64_t tile[3];
-  Counter first;        // entry
-  std::uint32_t count;  // of entries
-  std::uint32_t cut;    // which of the cut tiles, or kWhole; without a list, a bit for each tile to fill
+  Counter first;        // the first entry
+  std::uint32_t count;  // the number of entries
+  std::uint32_t cut;    // the number of the cut tile, or kWhole; without a list, a bit for each tile to fill
 };
 
 struct WorkCounts {
-  Counter heavy, light;  // items, from the front and from the back of the array
-  Counter cut;           // tiles
-  Counter taken;         // items
+  Counter heavy, light;  // items of long and short lists, from the front and from the back of the array
+  Counter cut;           // tiles whose list was cut
+  Counter taken;         // items that blocks have taken
 };
 
 struct BandWork {
   WorkItem* items;
-  std::int64_t capacity;  // of items
+  std::int64_t capacity;  // the number of items that fit
   std::int64_t* cut_tiles;
-  Counter* found;  // per sample of each cut tile: what its parts have found
+  Counter* found;  // per sample of each cut tile: the best of its parts so far
   std::int64_t most_cut;
   WorkCounts* counts;
 
@@ -52,13 +51,13 @@ struct BandWork {
   }
 };
 
-/// How many groups of 32 tiles along x there are.
+/// The number of groups of 32 tiles along x.
 STANDOFF_HD inline std::int64_t tile_groups(const Lattice& l) {
   return (l.tiles[0] + 31) / 32 * l.tiles[1] * l.tiles[2];
 }
 
-/// The items of all tiles, a thread a tile and a warp a group; empty tiles only where they are to be filled. The order
-/// of items hangs on that of the threads, no bit on it.
+/// Lists the items of all tiles: a thread per tile, a warp per group. Empty tiles get items only if they must be
+/// filled. The order of items depends on the timing of threads, but no bit of the field does.
 STANDOFF_KERNEL void list_work(Lattice l, const Counter* start, BandWork work, bool fills, Outcome* outcome) {
   if (outcome->stopped) return;
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -73,7 +72,7 @@ STANDOFF_KERNEL void list_work(Lattice l, const Counter* start, BandWork work, b
   WorkItem item{{x, row % l.tiles[1], row / l.tiles[1]}, first, static_cast<std::uint32_t>(count), kWhole};
   const std::uint32_t empty = __ballot_sync(0xffffffffu, fills && exists && count == 0);
   const bool fills_here = lane == 0 && empty != 0;
-  // The light ones of a warp take their places at once, and with them the one that fills the group's empty tiles.
+  // The light items of a warp take their places at once, together with the item that fills the group's empty tiles.
   const bool is_light = count > 0 && count <= kHeavyList && count <= part;
   const std::uint32_t light = __ballot_sync(0xffffffffu, is_light);
   Counter place = 0;
@@ -99,8 +98,8 @@ STANDOFF_KERNEL void list_work(Lattice l, const Counter* start, BandWork work, b
   }
 }
 
-/// Fills the tiles of an item without a list as where there is no triangle near. All threads of the block take part: a
-/// warp a row of samples through all of the tiles.
+/// Fills the tiles of an item without a list with the value far from all triangles. All threads of the block take part:
+/// a warp fills a row of samples through all of the tiles.
 STANDOFF_DEVICE void fill_tiles(const Lattice& l, const WorkItem& item, const DeviceOutput& output) {
   const int lane = static_cast<int>(threadIdx.x) % 32, warps = static_cast<int>(blockDim.x) / 32;
   const std::int64_t left = l.size[0] - item.tile[0] * kTileSide;
@@ -117,14 +116,14 @@ STANDOFF_DEVICE void fill_tiles(const Lattice& l, const WorkItem& item, const De
   }
 }
 
-// Up to 32 triangles in shared memory, set up for the samples of a tile by the lanes of a warp.
+// A warp stages up to 32 triangles: its lanes set them up for the samples of a tile, in shared memory.
 //
-// A short triangle is measured to in the rows of samples that its box grown by the thickness reaches. The rows of all
-// triangles of the warp are numbered through, and its lanes take them 32 at a time: so no lane waits for another
+// A short triangle is measured in the rows of samples that its box, grown by the thickness, reaches. The rows of all
+// triangles of the warp are numbered consecutively, and its lanes take them 32 at a time: so no lane waits for another
 // triangle, however many rows each has.
 
-/// A frame, five loads of 16 bytes. 20 words apart: loads from neighbouring triangles do not meet in a bank of shared
-/// memory.
+/// A frame takes five loads of 16 bytes. Frames are 20 words apart: loads from neighbouring triangles do not meet in a
+/// bank of shared memory.
 struct alignas(16) StagedFrame {
   float number[20];
 };
@@ -137,13 +136,14 @@ struct SampleBox {
   int x, nx, y, ny, z, nz;
 };
 
-/// The rows of a staged triangle, in two words. At most 32 * 64 rows, 8 of each.
+/// The rows of a staged triangle, in two words. A warp has at most 32 * 64 rows, of 8 samples each.
 struct alignas(8) StagedRows {
-  std::uint32_t number;  // of the first row, among all of the warp; above it 1024 / ny, rounded up
+  std::uint32_t number;  // low half: the first row among the warp's; high half: 1024 / ny, rounded up
   std::uint32_t box;     // x, nx, y, ny, z: four bits each
 };
 
-/// n / ny is n * (1024 / ny, rounded up) / 1024: off by less than 64 / 1024 before truncation, so less than 1 / ny.
+/// n / ny equals n * (1024 / ny, rounded up) / 1024, truncated: the error before is less than 64 / 1024, so below 1 /
+/// ny.
 STANDOFF_DEVICE StagedRows packed(const SampleBox& box, unsigned number) {
   const unsigned ny = static_cast<unsigned>(box.ny), inverse = (1023 + ny) / ny;
   return {number | inverse << 16,
@@ -159,23 +159,23 @@ struct BandStage {
   StagedRows rows[kShort];
   std::uint32_t triangle[kShort];
   float slack[kLong];
-  int long_count;  // of the staged ones
+  int long_count;  // the number of staged long triangles
 };
 static_assert(sizeof(StagedLines) * BandStage::kLong <= sizeof(StagedFrame) * BandStage::kShort);
 
-/// The first sample at or above `low` and how many there are up to `high`, along an axis; 0 or fewer for none. Off by
-/// the rounding of numbers that are not farther from the tile than a short triangle is: 1e-5 grid units at most, which
-/// the bounds' margins hold.
+/// The first sample at or above `low` along an axis, and the number of samples up to `high`, which may be negative. The
+/// error is the rounding of numbers no farther from the tile than a short triangle, at most 1e-5 grid units, which the
+/// bounds' margins cover.
 STANDOFF_DEVICE void samples_between(const TileView& view, int axis, float low, float high, int& first, int& count) {
   const float past = static_cast<float>(view.inside[axis]);
   const float from = (low - view.coordinate[axis][0]) * view.to_samples[axis];
   const float to = (high - view.coordinate[axis][0]) * view.to_samples[axis];
-  // By truncation of what is not negative.
+  // Truncation of numbers that are not negative rounds down.
   first = static_cast<int>(min(max(from + 1, 0.0f), past));
   count = static_cast<int>(min(max(to + 1, 0.0f), past)) - first;
 }
 
-/// The samples of the tile that the box of a triangle, grown by the thickness, may reach: no rows where there are none.
+/// The samples of the tile that the box of a triangle, grown by the thickness, may reach; no rows if there are none.
 STANDOFF_DEVICE SampleBox reached_samples(const Lattice& l, const TileView& view, const BoxOf<float>& box) {
   const float slack = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
   const float reach = fma(l.thickness, 1 + kSlackRatio, slack);
@@ -196,13 +196,13 @@ STANDOFF_DEVICE LocalCorners local_corners(const Lattice& l, const DeviceMesh& m
   return {local(l, corners.at[0], center), local(l, corners.at[1], center), local(l, corners.at[2], center)};
 }
 
-/// What a warp knows of the triangles it has staged.
+/// The result of staging.
 struct Staged32 {
   std::uint32_t is_long;  // a bit for each lane whose triangle is long, and is not staged yet
-  unsigned rows;          // of all others
+  unsigned rows;          // the rows of all other triangles
 };
 
-/// A lane a triangle: stages the short ones that reach the tile, and their rows. `count` of the lanes have one. All
+/// Stages the short triangles that reach the tile, and their rows: a lane per triangle, of which `count` have one. All
 /// lanes take part.
 STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, const TileView& view,
                                      std::uint32_t triangle, int count, BandStage& stage) {
@@ -220,7 +220,7 @@ STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, c
     if (!is_long_one) box = reached_samples(l, view, around);
     if (box.nx > 0 && box.ny > 0 && box.nz > 0) rows = box.ny * box.nz;
   }
-  int through = rows;  // the rows up to this lane's
+  int through = rows;  // the rows up to and including this lane's
   for (int step = 1; step < 32; step *= 2) {
     const int other = __shfl_sync(0xffffffffu, through, lane - step);
     if (lane >= step) through += other;
@@ -232,7 +232,7 @@ STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, c
     stage.rows[n] = packed(box, static_cast<unsigned>(through - rows));
     stage.triangle[n] = triangle;
   }
-  // Lanes past the last one have rows that never begin.
+  // The rows of lanes past the last triangle never begin.
   if (lane >= __popc(reaching)) stage.rows[lane].number = 0xffff;
   const Staged32 staged{__ballot_sync(0xffffffffu, is_long_one),
                         static_cast<unsigned>(__shfl_sync(0xffffffffu, through, 31))};
@@ -240,8 +240,8 @@ STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, c
   return staged;
 }
 
-/// Stages the first of the long triangles, up to BandStage::kLong, and returns how many. All lanes take part; no lane
-/// may still read what is staged.
+/// Stages the first long triangles, up to BandStage::kLong, and returns their number. All lanes take part; no lane may
+/// still read the stage.
 STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const TileView& view, std::uint32_t triangle,
                                std::uint32_t is_long, BandStage& stage) {
   const int lane = static_cast<int>(threadIdx.x) % 32, n = __popc(is_long & ((1u << lane) - 1));

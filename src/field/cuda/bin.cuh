@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles out of device memory, and for thin bands the lists of those that each tile has to look at. Small kernels
-// keep the outcome, and give tiles their slots.
+// Loads triangles from device memory; for thin bands, lists the triangles of each tile. Small kernels record the
+// outcome and give tiles their slots.
 #pragma once
 
 #include <string>
@@ -16,26 +16,24 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// A triangle's corners out of device memory, checked, and moved to where they become float.
-
-#ifndef __CUDACC__  // the emulation takes the tasks of standoff/cuda.h, over plain memory
+#ifndef __CUDACC__  // the emulation runs the tasks of standoff/cuda.h in plain memory
 using cuda::DeviceMesh;
 using cuda::DeviceOutput;
 using cuda::Outcome;
 using cuda::Task;
 #endif
 
-/// Lets no later kernel write anything.
+/// Makes all later kernels write nothing.
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
 
-/// The second pass over the triangles wants more of a list, or less, than the first one counted for it. What is
-/// computed is the same, so the mesh is not: it was written meanwhile.
+/// Called if the second pass over the triangles needs more or fewer entries than the first one counted. Both compute
+/// the same, so the mesh was written meanwhile.
 STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
   outcome->needed_entries = Outcome::kNone;
   stop(outcome);
 }
 
-/// World units.
+/// A triangle's corners, world units.
 struct Corners {
   Triple<double> at[3];
 };
@@ -57,7 +55,7 @@ STANDOFF_DEVICE Corners corners_of(const DeviceMesh& mesh, std::uint32_t triangl
   return c;
 }
 
-/// Whether the triangle exists, its indices are in range and its corners finite. Where not, the outcome remembers it.
+/// Whether the triangle exists, its indices are in range and its corners finite. If not, the outcome records it.
 STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Outcome* outcome) {
   bool valid = triangle < mesh.triangle_count;
   for (int which = 0; which < 3 && valid; ++which) {
@@ -74,21 +72,21 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
   return valid;
 }
 
-/// Throws Error{usage} where there is no triangle, or one whose index is kNoTriangle.
+/// Throws Error{usage} if there is no triangle, or one whose index is kNoTriangle.
 inline void check_count(const DeviceMesh& mesh) {
   if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
     throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
                                       " triangles to use; give it 1 to 4294967294");
 }
 
-/// The farthest coordinate of a box from the origin.
+/// The largest coordinate of a box, in magnitude.
 STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
   return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
 }
 
-// Thin bands: which triangles each tile has to look at, by counting. A triangle goes into the tiles that its box grown
-// by the thickness touches. One that touches more than two in a row is compared with their centres, exactly, by a warp
-// of its own, or by many where it touches very many.
+// Thin bands: lists the triangles of each tile, by counting. A triangle belongs to the tiles that its box, grown by the
+// thickness, touches. If it touches more than two tiles along an axis, a warp measures it from their centres, exactly;
+// if it touches very many, several warps do.
 
 /// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
@@ -101,29 +99,29 @@ STANDOFF_DEVICE CellRange tiles_of(const Lattice& l, const Corners& c) {
 /// The triangles of each tile: entries[start[tile]] to entries[start[tile + 1] - 1].
 struct TileLists {
   std::uint32_t* counts;   // per tile, and a zero behind the last
-  Counter* start;          // as long
+  Counter* start;          // has the same length
   std::uint32_t* entries;  // triangles
-  Counter capacity;        // of entries
+  Counter capacity;        // the number of entries that fit
 };
 
-/// Triangles that touch many tiles; from the end of the array on those that touch very many.
+/// Triangles that touch many tiles, from the front of the array; triangles that touch very many, from its back.
 struct LongList {
   std::uint32_t* triangles;
-  Counter* count;  // of both: two numbers
+  Counter* count;  // two numbers, one for each kind
   std::int64_t capacity;
 };
 
-/// Triangles whose box holds more tiles than this are shared by kWarpsPerHuge warps. Decides no bit. Every warp sets up
-/// its triangle, which takes as long as some 200 tiles do: with fewer tiles for each the shares would cost more than
-/// they save, with more a triangle across a fine grid would keep one warp busy while all others are done.
+/// If a triangle's box holds more tiles than this, kWarpsPerHuge warps share it. Decides no bit. Every warp sets up its
+/// triangle, which takes as long as some 200 tiles. Smaller: the shares cost more than they save. Larger: a triangle
+/// across a fine grid keeps one warp busy while all others are done.
 inline constexpr std::int64_t kHugeRange = 1024;
 inline constexpr int kWarpsPerHuge = 32;
 
-/// How many tiles a range holds.
+/// The number of tiles of a range.
 STANDOFF_DEVICE std::int64_t tiles_in(const CellRange& r) {
   return (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
 }
-/// Notes a triangle that touches many tiles.
+/// Lists a triangle that touches many tiles.
 STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::uint32_t triangle) {
   const bool is_huge = tiles_in(r) > kHugeRange;
   const auto place = static_cast<std::int64_t>(atomicAdd(&list.count[is_huge], Counter{1}));
@@ -133,8 +131,8 @@ STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::ui
 /// No list is this long: a count from here on has wrapped below zero.
 inline constexpr std::uint32_t kNoCount = 0xf0000000u;
 
-/// First pass: counts. Second pass: fills the lists from their ends, taking the counts back down to zero. False where
-/// it would go beyond, to what is in front of the list.
+/// First pass: counts. Second pass: fills the lists from their ends, and takes the counts back down to zero. False if
+/// the entry would lie in front of the list.
 template <bool kPlace>
 STANDOFF_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
   if (!kPlace) {
@@ -147,8 +145,8 @@ STANDOFF_DEVICE bool use_tile(const TileLists& lists, std::int64_t tile, std::ui
   return fits;
 }
 
-/// The same for all lanes of a warp at once, each with a tile of its own choice, or with tile -1 for none: neighbouring
-/// triangles lie in the same tiles, and those that do take their places by one atomic operation.
+/// The same for all lanes of a warp at once, each with its own tile, or -1 for none. Neighbouring triangles often lie
+/// in the same tile: then one atomic operation serves all of them.
 template <bool kPlace>
 STANDOFF_DEVICE bool use_tiles(const TileLists& lists, std::int64_t tile, std::uint32_t triangle) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -179,11 +177,11 @@ inline constexpr int kBinBlocks = 4;
 inline constexpr int kBinBlocks = 6;
 #endif
 
-/// A thread a triangle. Lists the long ones in the first pass.
+/// Bins short triangles, a thread per triangle. The first pass also lists the long ones.
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
-  if (kPlace && __ballot_sync(0xffffffffu, outcome->stopped != 0) != 0) return;  // a warp stays together
+  if (kPlace && __ballot_sync(0xffffffffu, outcome->stopped != 0) != 0) return;  // the warp must stay together
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   CellRange r{{0, 0, 0}, {-1, -1, -1}};
   std::uint32_t triangle = 0;
@@ -205,7 +203,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
   if (!fits) stop_for_miscount(outcome);
 }
 
-/// One long triangle, share `share` of `shares` of its range: a lane a tile.
+/// Bins a long triangle into part `share` of `shares` of its range: a lane per tile.
 template <bool kPlace>
 STANDOFF_DEVICE void bin_share(const Lattice& l, const DeviceMesh& mesh, const TileLists& lists, std::uint32_t triangle,
                                int share, int shares, double reach_sq, Outcome* outcome) {
@@ -221,7 +219,7 @@ STANDOFF_DEVICE void bin_share(const Lattice& l, const DeviceMesh& mesh, const T
   }
 }
 
-/// Warps stride over the long triangles, and over the shares of the huge ones.
+/// Bins long triangles: warps stride over them, and over the shares of the huge ones.
 template <bool kPlace>
 STANDOFF_KERNEL void __launch_bounds__(kThreads)
     bin_long(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
@@ -231,7 +229,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
   const Counter first = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32,
                 step = std::int64_t{gridDim.x} * (blockDim.x / 32);
   for (Counter n = first; n < count + shares; n += step) {
-    // The huge ones first: they take longest.
+    // Begin with the huge ones: they take longest.
     const bool is_huge = n < shares;
     const std::uint32_t triangle =
         is_huge ? long_ones.triangles[long_ones.capacity - 1 - static_cast<std::int64_t>(n / kWarpsPerHuge)]
@@ -241,33 +239,31 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
   }
 }
 
-/// After the second pass: stops where it placed fewer triangles than were counted. The beginning of such a list was
-/// never written, and what stands there may be no triangle. A thread a tile.
+/// After the second pass: stops if it placed fewer triangles than were counted. The beginning of such a list was never
+/// written, and may hold anything. A thread per tile.
 STANDOFF_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile < tiles && !outcome->stopped && counts[tile] != 0) stop_for_miscount(outcome);
 }
-
-// Small kernels that keep the outcome, and lists of tiles.
 
 STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
   for (int n = 0; n < count; ++n) counters[n] = 0;
 }
 
-/// Stops all that follows where the lists do not fit.
+/// Stops all later kernels if the lists do not fit.
 STANDOFF_KERNEL void check_entries(const Counter* total, Counter capacity, Outcome* outcome) {
   if (*total > outcome->needed_entries) outcome->needed_entries = *total;
   if (*total > capacity) stop(outcome);
 }
 
-/// 1 for each tile with triangles, 0 behind the last.
+/// Writes 1 for each tile with triangles, 0 for the others, and 0 behind the last.
 STANDOFF_KERNEL void mark_used_tiles(const Counter* start, std::int64_t tiles, std::uint32_t* used) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (tile <= tiles) used[tile] = tile < tiles && start[tile + 1] > start[tile];
 }
 
-/// From the running sum of `used`: each tile's slot or -1, if there are slots for all. A thread a tile.
+/// Writes each tile's slot, or -1, from the running sum of `used`, if there are slots for all. A thread per tile.
 STANDOFF_KERNEL void give_slots(const std::uint32_t* used, const Counter* rank, std::int64_t tiles, DeviceOutput output,
                                 Outcome* outcome) {
   const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;

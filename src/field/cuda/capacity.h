@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory the lists of a field may need, and what else is known before its triangles are looked at.
+// Memory of a field on the GPU, estimated before its triangles are read.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,12 @@ namespace standoff {
 /// Tiles copied between device and host at once: 32 MiB.
 inline constexpr std::int64_t kTilesAtOnce = 16384;
 
-/// Bytes of host memory that a run takes beside its output.
+/// Bytes of host memory that a run takes, beside its output.
 inline std::int64_t host_scratch_bytes(const Grid& grid) {
   return 4 * tile_count(grid.size) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
 }
 
-/// Throws Error{usage} for counts that no mesh has, and lists that no memory holds.
+/// Throws Error{usage} for counts that no mesh can have, and for lists that no memory can hold.
 inline void check_counts(std::int64_t triangles, double thickness, std::int64_t entries) {
   constexpr std::int64_t most_entries = std::int64_t{1} << 40;
   if (triangles < 0 || static_cast<std::uint64_t>(triangles) > kMaxTriangles || entries < 0 || entries > most_entries)
@@ -31,11 +31,11 @@ inline void check_counts(std::int64_t triangles, double thickness, std::int64_t 
     throw Error(ErrorCode::usage, "cuda: the thickness must be positive; infinity gives a full field");
 }
 
-/// List entries of the method `tiles`, for those who cannot wait until they have been counted. Thin bands: small
-/// triangles lie in four or five tiles at thickness 2. Otherwise: a tile near the surface keeps what lies in it and
-/// around it, one far away what it cannot tell apart; the sum grows with the triangles and, where they are smaller than
-/// tiles, with the root of triangles times tiles. The factors are fitted to full fields of the scenes (terrain,
-/// machines) at 2,000 to 1,000,000 triangles.
+/// Estimates the list entries of the method `tiles`, for callers who must allocate before they are counted. Thin bands:
+/// small triangles lie in four or five tiles at thickness 2. Otherwise: a tile near the surface keeps the triangles in
+/// it and around it, a far tile the triangles that are about equally near. The sum grows with the number of triangles
+/// and, if they are smaller than tiles, with the root of triangles times tiles. The factors are fitted to full fields
+/// of the scenes (terrain, machines) at 2,000 to 1,000,000 triangles.
 inline std::int64_t estimate_list_entries(std::int64_t triangles, const Grid& grid, double thickness) {
   const std::int64_t tiles = tile_count(grid.size);
   if (is_thin(grid, thickness)) return 6 * triangles + 2 * tiles;

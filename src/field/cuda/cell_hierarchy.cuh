@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thick bands and full fields: candidates are handed down from coarse cells to fine ones. A cell starts from what its
-// parent kept and drops what cannot be nearest to any of its samples (docs/cuda.md derives the three tests).
+// Thick bands and full fields: candidates pass down from coarse cells to fine ones. A cell starts from its parent's
+// candidates and drops those that cannot be nearest to any of its samples (docs/cuda.md derives the three tests).
 //
-// A step from parents to their eight children: every candidate of every parent is one thread's, in blocks of kChunk
+// A step leads from parents to their eight children. Every candidate of every parent has a thread, in blocks of kChunk
 // candidates of one parent.
-//   bound    each child learns a bound of the distance at its centre, and which triangle gives it
-//   keep     each candidate finds out which children keep it, and counts for them
-//   hand     it is written into their lists
+//   bound    finds for each child a bound of the distance at its centre, and the triangle that gives it
+//   keep     decides which children keep each candidate, and counts them
+//   hand     writes the candidates into the children's lists
 #pragma once
 
 #include "field/cuda/bin.cuh"
@@ -14,11 +14,10 @@
 
 namespace standoff {
 
-// The cells that candidates are passed down through: level 0 are the tiles, each level above joins 2x2x2 cells, the
-// last is one cell.
+// A level of cells: level 0 is the tiles, each higher level joins 2x2x2 cells, the last one is a single cell.
 
 struct Level {
-  std::int64_t side;  // of a cell, samples
+  std::int64_t side;  // samples per axis of a cell
   std::int64_t cells[3];
 
   STANDOFF_HD std::int64_t count() const { return cells[0] * cells[1] * cells[2]; }
@@ -30,14 +29,14 @@ inline Level level_of(const Lattice& l, int number) {
   return level;
 }
 
-/// The number of the level that is one cell.
+/// The number of the level with a single cell.
 inline int top_level(const Lattice& l) {
   int number = 0;
   while (level_of(l, number).count() > 1) ++number;
   return number;
 }
 
-/// The samples of a cell inside the grid, as a box around them. Grid units.
+/// A box around the samples of a cell inside the grid. Grid units.
 struct CellBox {
   Triple<double> center;
   float half[3], radius;  // with a margin for rounding
@@ -65,7 +64,7 @@ namespace standoff::STANDOFF_PLATFORM {
 
 inline constexpr int kChunk = 256;
 
-/// What the step reads and writes.
+/// The arrays of a step.
 struct Step {
   Level parent, child;
   const Counter* parent_start;          // per parent, and the end
@@ -78,7 +77,7 @@ struct Step {
   std::uint32_t* child_entries;
 };
 
-/// The root's list: all triangles. A thread a triangle.
+/// Writes the root's list: all triangles. A thread per triangle.
 STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n == 0) {
@@ -91,7 +90,7 @@ STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* 
   is_valid(mesh, triangle, outcome);
 }
 
-/// How many chunks each parent has, 0 behind the last. A thread a parent.
+/// Writes the number of chunks of each parent, and 0 behind the last. A thread per parent.
 STANDOFF_KERNEL void count_chunks(const Counter* start, std::int64_t parents, std::uint32_t* chunks, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n > parents) return;
@@ -100,33 +99,33 @@ STANDOFF_KERNEL void count_chunks(const Counter* start, std::int64_t parents, st
                   : 0;
 }
 
-/// No bound yet. A thread a child.
+/// Sets all bounds to infinity. A thread per child.
 STANDOFF_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n < children) bound[n] = ~Counter{0};
 }
 
-/// A child as its siblings' block sees it: relative to the parent's centre.
+/// A child, relative to the parent's centre.
 struct Child {
-  std::int64_t index;  // -1 where the grid ends before it
+  std::int64_t index;  // -1 if the grid ends before it
   Triple<float> center;
   float half[3], radius;
-  float within;           // no sample of it is farther from the mesh, as far as is known at its centre
-  Triple<float> surface;  // a point of the mesh
+  float within;           // bounds the distance of its samples from the mesh, by the bound at its centre
+  Triple<float> surface;  // the point of the mesh that gives the bound
 };
 
-/// What the threads of a chunk share.
+/// The shared memory of a chunk's threads.
 struct Chunk {
   Counter first, end;  // entries
   Triple<double> center;
-  float extent;  // the parent's farthest coordinate
+  float extent;  // the parent's largest coordinate
   Child child[8];
   Counter least[8];
   unsigned counts[8];
   Counter base[8];
 };
 
-/// The parent whose chunk this is.
+/// The parent of a chunk.
 STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
   std::int64_t low = 0, high = step.parent.count();  // chunk_start[low] <= chunk < chunk_start[high]
   while (high - low > 1) {
@@ -139,8 +138,8 @@ STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
   return low;
 }
 
-/// Begins a chunk: all threads of the block take part. No barrier comes first: what others than the first eight threads
-/// may still read of the chunk before, `base`, is not written here.
+/// Begins a chunk; all threads of the block take part. It needs no barrier first: other threads than the first eight
+/// may still read `base` of the chunk before, but this does not write `base`.
 STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
   if (t < 8) {
@@ -202,7 +201,7 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceM
     for (int n = 0; n < 8; ++n) {
       if (chunk.child[n].index < 0) continue;
       const float most = sqrt(distance_sq(c.frame, chunk.child[n].center)) + c.slack;
-      // Distances are not negative, so their bits ascend with them.
+      // Distances are not negative, so their order equals the order of their bits.
       Counter least = Counter{__float_as_uint(most)} << 32 | triangle;
       for (int bits = 16; bits > 0; bits /= 2) {
         const Counter other = __shfl_xor_sync(0xffffffffu, least, bits);
@@ -270,7 +269,7 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(Lattice l, Step step, O
     begin_chunk(l, step, number, chunk);
     const Counter entry = chunk.first + static_cast<Counter>(t);
     const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
-    unsigned place[8];  // among the block's, per child
+    unsigned place[8];  // per child, among the block's candidates
     for (int n = 0; n < 8; ++n) {
       const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
       unsigned before = 0;
@@ -279,7 +278,7 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(Lattice l, Step step, O
       place[n] = before + static_cast<unsigned>(__popc(votes & ((1u << t % 32) - 1)));
     }
     __syncthreads();
-    // The counts are taken back down to zero while the lists fill from their ends.
+    // Lists fill from their ends, which takes the counts back down to zero.
     if (t < 8 && chunk.counts[t] != 0) {
       const std::int64_t child = chunk.child[t].index;
       chunk.base[t] = step.child_start[child] + atomicSub(&step.child_counts[child], chunk.counts[t]) - chunk.counts[t];

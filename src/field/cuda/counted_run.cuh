@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A field from host memory: the device counts what is needed, the host reads the counts, allocates it, and the work
-// goes on. Nothing is guessed, so nothing is done twice; what it costs is a wait per level of cells, or one in all.
+// A field from host memory: the device counts the entries that it needs, the host reads the counts, allocates the
+// memory, and the work goes on. Nothing is guessed, so nothing is done twice. It costs a wait per level of cells, or a
+// single one for a thin band.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +14,15 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-/// Device memory that is made anew where it is too small. What it held is lost then.
+/// Device memory that is replaced if it is too small; then its content is lost.
 class Growing {
  public:
-  /// Room for `count` of them. Throws Error{limit}.
+  /// Returns room for `count` elements. Throws Error{limit}.
   template <class T>
   T* room_for(std::int64_t count) {
     const std::int64_t bytes = count * static_cast<std::int64_t>(sizeof(T));
     if (bytes > bytes_) {
-      memory_ = Memory();  // the old before the new; cudaFree waits for what still reads it
+      memory_ = Memory();  // free the old memory first; cudaFree waits for kernels that still read it
       bytes_ = 0;
       memory_ = Memory(bytes);
       bytes_ = bytes;
@@ -34,7 +35,7 @@ class Growing {
   std::int64_t bytes_ = 0;
 };
 
-/// Bytes that a CountedRun takes from its beginning on; lists and values come to them when they have been counted.
+/// Bytes that a CountedRun takes at its beginning; it allocates lists and values later, when they have been counted.
 template <class Pipeline>
 std::int64_t counting_bytes(std::int64_t triangles, const Lattice& l) {
   gpu::Workspace memory(nullptr);
@@ -42,11 +43,11 @@ std::int64_t counting_bytes(std::int64_t triangles, const Lattice& l) {
   return memory.used() + l.tile_count() * static_cast<std::int64_t>(sizeof(std::int32_t));
 }
 
-/// One sparse field, on the default stream. A pipeline's run() goes on from here: it launches, looks at what was
-/// counted, allocates that memory, and launches what needs it.
+/// Computes a sparse field on the default stream. A pipeline's run() launches the counting, reads the counts, allocates
+/// that memory, and launches the work that needs it.
 class CountedRun {
  public:
-  /// The mesh is in device memory, and was validated. `waited` is called after each look at the counts.
+  /// Requires a valid mesh in device memory. `waited` is called each time after the counts were read.
   CountedRun(const DeviceMesh& mesh, const Grid& grid, double thickness, bool with_nearest,
              std::function<void()> waited)
       : lattice(make_lattice(grid, thickness)),
@@ -60,7 +61,7 @@ class CountedRun {
     task.thickness = thickness;
     task.outcome = outcome_memory_.as<Outcome>();
     task.output.slots = slots_.room_for<std::int32_t>(tiles);
-    task.output.slot_capacity = tiles;  // no values yet: all may have a slot
+    task.output.slot_capacity = tiles;  // there are no values yet, so all tiles may have a slot
   }
 
   /// Computes the field.
@@ -72,11 +73,11 @@ class CountedRun {
     gpu::Workspace memory(bare.as<void>());
     Pipeline arrays(memory, task.mesh.used_count(), lattice, 0);
     arrays.run(*this);
-    look();  // before the arrays go
+    look();  // wait for the device before the arrays are freed
   }
 
   const Outcome& outcome() const { return outcome_; }
-  /// Tiles that turned out to hold no sample of the band have no slot any more; the values of theirs are zero.
+  /// Tiles without a sample of the band have lost their slot; the values there are zero.
   const DeviceOutput& output() const { return task.output; }
 
   // For pipelines.
@@ -84,24 +85,24 @@ class CountedRun {
   Task task;
   Growing entries[2], keep;
 
-  /// Waits for the device, and looks at what was counted.
+  /// Waits for the device and reads the counts.
   const Outcome& look() {
     copy_out(&outcome_, task.outcome, sizeof outcome_);
     if (outcome_.stopped != 0)
       throw Error(ErrorCode::internal, "gpu: the kernels stopped without a reason; please report this");
     return outcome_;
   }
-  /// The same between two halves; reports progress to the caller.
+  /// The same between the two halves of a pipeline; reports progress to the caller.
   const Outcome& wait() {
     look();
     waited_();
     return outcome_;
   }
 
-  /// Of the values that make_values() takes.
+  /// Bytes of the values that make_values() allocates.
   std::int64_t value_bytes() const { return (with_nearest_ ? 8 : 4) * value_count(); }
 
-  // Tiles are copied out many at a time, also those that will have lost their slot: so none may be left unwritten.
+  // Tiles are copied out many at a time, also tiles that lose their slot: so none may stay unwritten.
   void make_values() {
     task.output.slot_capacity = static_cast<std::int64_t>(outcome_.needed_slots);
     if (task.output.slot_capacity == 0) return;
@@ -134,7 +135,7 @@ inline void ThinBand::run(CountedRun& run) {
 }
 
 inline void ThickBand::run(CountedRun& run) {
-  std::int64_t most = run.task.mesh.used_count();  // candidates of any level so far
+  std::int64_t most = run.task.mesh.used_count();  // the most candidates of a level so far
   require_free_memory(most * kBytesPerEntry);
   capacity = ~Counter{0};
   entries[0] = run.entries[0].room_for<std::uint32_t>(most);
@@ -151,14 +152,12 @@ inline void ThickBand::run(CountedRun& run) {
   }
   tiles.give(run.lattice, run.task, start[half], nullptr);
   run.look();
-  run.keep = Growing();  // the tiles' lists alone are still needed
+  run.keep = Growing();  // only the tiles' lists are still needed
   run.entries[1 - half] = Growing();
   require_free_memory(run.value_bytes());
   run.make_values();
   gather_tiles(run.lattice, run.task, half, nullptr);
 }
-
-// Runs a job from host memory to a sink and waits for it, one field at a time.
 
 /// The mesh in device memory.
 class MeshOnDevice {
@@ -188,7 +187,7 @@ class MeshOnDevice {
   static std::int64_t bytes(std::size_t count) {
     return static_cast<std::int64_t>(count * sizeof(T));
   }
-  // Elements of another layout are converted some at a time.
+  // Converts elements of another layout in batches.
   template <class T, class Array>
   static void copy_all(const Memory& to, const Array& all) {
     if (const auto packed = all.as_span()) {
@@ -207,7 +206,7 @@ class MeshOnDevice {
   DeviceMesh mesh_;
 };
 
-/// Takes finished tiles from the device, some at a time, and gives them to the sink.
+/// Copies finished tiles from the device in batches, and writes them to the sink.
 inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, ProgressMeter& progress) {
   const std::int64_t tiles = l.tile_count();
   std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles));
@@ -215,7 +214,7 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
   const std::int64_t batch = std::min(output.slot_capacity, kTilesAtOnce);
   std::vector<float> values(static_cast<std::size_t>(batch) * kTileSamples);
   std::vector<std::uint32_t> nearest(output.nearest ? values.size() : 0);
-  std::int64_t here = 0, end = 0;  // the slots in host memory
+  std::int64_t here = 0, end = 0;  // the range of slots in host memory
   for (std::int64_t index = 0; index < tiles; ++index) {
     const std::int64_t slot = slots[index];
     if (slot < 0) continue;
@@ -240,7 +239,7 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
   }
 }
 
-/// Runs a job on the current device.
+/// Runs a job from host memory on the current device, and waits for it.
 template <class Pipeline>
 Counts run_from_host(const Job& job, Sink& sink) {
   job.progress.stage("gather", 1, 0.2, 0.9);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thick bands and full fields: a block of threads per tile. Each thread holds one sample in registers, all triangles of
-// the tile pass by in shared memory, and each sample is written once. (Thin bands: gather_band.cuh.)
+// Thick bands and full fields: a block of threads per tile. Each thread holds a sample in registers, all triangles of
+// the tile pass through shared memory, and each sample is written once. (Thin bands: gather_band.cuh.)
 //
 // A warp holds 4x4x2 samples. Before it measures, its lanes compare 32 triangles with the centre of these samples, one
-// each, and a vote leaves those that can be nearer than what the samples have. So all lanes measure to the same
-// triangle (one read for all), and none is measured that is far from all 32 samples. Which are left out changes no bit.
+// each, and a vote keeps the triangles that may be nearer than the samples' best. So all lanes measure the same
+// triangle (one read for all), and triangles far from all 32 samples are skipped. Skipping them changes no bit.
 #pragma once
 
 #include "field/cuda/bin.cuh"
@@ -12,18 +12,16 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// Triangles in shared memory, set up for the samples of one tile.
-
-/// The tile that triangles are set up for: what all threads of a block read.
+/// The tile of a block, in shared memory.
 struct TileView {
   std::int64_t tile[3];
-  float coordinate[3][kTileSide];  // of its samples, relative to the brick's centre
+  float coordinate[3][kTileSide];  // the samples, relative to the brick's centre
   float to_samples[3];             // samples per grid unit
   int inside[3];                   // samples inside the grid
-  Triple<double> center;           // of its brick
+  Triple<double> center;           // the brick's centre
 };
 
-/// Fills the view of `tile`, with the first 24 threads of a block.
+/// The first 24 threads of a block fill the view of `tile`.
 STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, TileView& view) {
   const int t = static_cast<int>(threadIdx.x);
   if (t >= 3 * kTileSide) return;
@@ -36,16 +34,16 @@ STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, TileV
   }
   if (t == 0) view.center = brick_center(l, tile);
 }
-/// The same for the tile of that number.
+/// The same for the tile number `index`.
 STANDOFF_DEVICE void view_tile(const Lattice& l, std::int64_t index, TileView& view) {
-  if (threadIdx.x >= 32) return;  // others need not divide
+  if (threadIdx.x >= 32) return;  // saves the other warps the division
   std::int64_t tile[3];
   tile_at(l, index, tile);
   view_tile(l, tile, view);
 }
 
-/// One triangle ready to be measured to: a frame, or where it is long the lines of one. Eleven loads of 16 bytes, and
-/// 44 words apart: loads by neighbouring threads of neighbouring triangles then never conflict in a bank of shared
+/// A triangle that is set up: its frame, or its lines if it is long. It takes eleven loads of 16 bytes. Triangles are
+/// 44 words apart: so loads by neighbouring threads of neighbouring triangles never conflict in a bank of shared
 /// memory.
 struct alignas(16) Staged {
   float number[44];
@@ -66,7 +64,7 @@ STANDOFF_DEVICE Setup load(const Words& from) {
 struct Stage {
   static constexpr int kTriangles = 128;
   Staged setup[kTriangles];
-  float slack[kTriangles];  // what a distance may be off by when tiles and blocks are culled
+  float slack[kTriangles];  // the error of a distance, for culling
   std::uint32_t index[kTriangles];
   unsigned char is_long[kTriangles];
   float low[3][kTriangles], high[3][kTriangles];  // its box, relative to the brick's centre
@@ -100,7 +98,7 @@ inline constexpr int kGatherThreads = kTileSamples;
 inline constexpr int kWarps = kGatherThreads / 32;
 static_assert(Stage::kTriangles <= kGatherThreads && Stage::kTriangles % 32 == 0);
 
-/// The sample of a tile that a thread holds: warps are 4x4x2 samples, 2x2x4 of them.
+/// The sample of a tile that a thread holds: a warp has 4x4x2 samples, a tile 2x2x4 warps.
 struct SampleAt {
   int x, y, z;
 };
@@ -108,7 +106,7 @@ STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
   const int warp = thread / 32, lane = thread % 32;
   return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
 }
-/// The samples of any warp, grid units: how wide they are along each axis, and half their diagonal, rounded up.
+/// The extent of a warp's samples along each axis, and half their diagonal, rounded up. Grid units.
 struct WarpExtent {
   float width[3], radius;
 };
@@ -126,13 +124,13 @@ STANDOFF_DEVICE float warp_max(float value) {
   return value;
 }
 
-/// What a sample has found so far.
+/// The best of a sample so far.
 struct Nearest {
   float distance_sq;
   std::uint32_t triangle;
 };
 
-/// Measures from a sample to the staged triangles whose bits are set in `left`, from `first` on.
+/// Measures from a sample to the staged triangles first + n for all bits n that are set in `left`.
 template <bool kNearest>
 STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
                              Nearest& best) {
@@ -147,16 +145,16 @@ STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, 
   }
 }
 
-/// The samples of a warp, and the point of the mesh nearest to their centre as far as is known.
+/// The samples of a warp, and the point of the mesh nearest to their centre so far.
 struct WarpSamples {
   Triple<float> center;
   Triple<float> surface;
-  float within;  // no farther than this is `surface` from the centre; infinite while none is known
+  float within;  // bounds the distance of `surface` from the centre; infinite if no point is known
 };
 
-/// Whether triangle n may be nearest to one of the warp's samples, which the point `surface` does not rule out. `least`
-/// is a lower bound of its distance from their centre. (The test `bisector` of cell_hierarchy.cuh, with the warp's
-/// samples for a child.)
+/// Whether triangle n may be nearer than the point `surface` to one of the warp's samples. `least` is a lower bound of
+/// its distance from their centre. (This is the test `bisector` of cell_hierarchy.cuh; the warp's samples are the
+/// child.)
 STANDOFF_DEVICE bool may_be_nearest(const WarpExtent& extent, const Stage& stage, int n, float least,
                                     const WarpSamples& warp) {
   const Triple<float>& q = warp.surface;
@@ -167,8 +165,8 @@ STANDOFF_DEVICE bool may_be_nearest(const WarpExtent& extent, const Stage& stage
   return fma(least, least, -spread) < within * within;
 }
 
-/// Lowers the warp's nearest point to that of the 32 staged triangles from `first` on, one a lane, whose distance is at
-/// most `most`. All lanes take part.
+/// Updates the warp's nearest point by the 32 staged triangles from `first` on, one per lane: `most` bounds the
+/// distance of the lane's triangle. All lanes take part.
 STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, WarpSamples& warp) {
   float nearest = most;
   for (int bits = 16; bits > 0; bits /= 2) nearest = min(nearest, __shfl_xor_sync(0xffffffffu, nearest, bits));
@@ -179,8 +177,8 @@ STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, War
   warp.surface = closest_in_frame(load<TriangleFrame<float>>(stage.setup[n]), warp.center);
 }
 
-/// Measures from a warp's samples to those of the staged triangles, `count` of them, that its vote leaves. Returns how
-/// many were measured.
+/// Measures from a warp's samples to the staged triangles that its vote keeps, of `count`. Returns how many were
+/// measured.
 template <bool kNearest>
 STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, const Stage& stage, int count,
                                  const Triple<float>& sample, bool in_grid, float known_within, WarpSamples& warp,
@@ -193,7 +191,7 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, con
     const float d = exists ? sqrt(staged_distance_sq(stage, mine, warp.center)) : 0;
     const float slack = exists ? stage.slack[mine] : 0;
     find_surface(stage, first, exists && !stage.is_long[mine] ? d + slack : __builtin_inff(), warp);
-    // Samples past the grid never hold anything back.
+    // Samples past the grid must not keep triangles.
     const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
     const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + extent.radius;
     const float least = max(d - slack, 0.0f);
@@ -209,10 +207,10 @@ STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, con
 struct Finished {
   float value[kTileSamples];
   std::uint32_t nearest[kTileSamples];
-  unsigned band, measured;  // samples in the band; warps' triangles
+  unsigned band, measured;  // samples in the band; triangles measured, summed over the warps
 };
 
-/// Writes a tile: to its slot, or where it lies in the dense grid. All threads of the block take part.
+/// Writes a tile to its slot, or to its place in the dense grid. All threads of the block take part.
 STANDOFF_DEVICE void write_tile(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
                                 const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
@@ -228,8 +226,8 @@ STANDOFF_DEVICE void write_tile(const Lattice& l, const TileView& view, std::int
   if (output.nearest) output.nearest[at] = finished.nearest[t];
 }
 
-/// Clamps the samples, leaves them in `finished`, and writes the tile; one without a band sample stays unstored
-/// (sparse). All threads of the block take part.
+/// Clamps the samples, stores them in `finished`, and writes the tile. A sparse field does not store a tile without a
+/// band sample. All threads of the block take part.
 STANDOFF_DEVICE void finish_tile(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
                                  float value, std::uint32_t nearest, bool is_band, Finished& finished,
                                  const DeviceOutput& output, Outcome* outcome) {
@@ -248,11 +246,11 @@ STANDOFF_DEVICE void finish_tile(const Lattice& l, const TileView& view, std::in
   if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
 }
 
-/// The triangles of every tile, however they were found.
+/// The lists of all tiles.
 struct GatherLists {
   const Counter* start;
   const std::uint32_t* entries;
-  const Counter* nearest_bound;  // per tile, or null: in the upper half a bound of the distance at the tile's centre
+  const Counter* nearest_bound;  // per tile, or null: the upper half bounds the distance at the tile's centre
 };
 
 /// Blocks stride over the tiles.
@@ -287,7 +285,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
         {(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2}, {0, 0, 0}, __builtin_inff()};
     const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
 
-    // No sample of the tile is farther from the mesh than this, where something is known.
+    // Bound the distance of all samples of the tile from the mesh.
     float known_within = l.thickness;
     std::uint32_t nearest_center = kNoTriangle;
     if (lists.nearest_bound) {
@@ -300,12 +298,12 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
     Nearest best{__builtin_inff(), kNoTriangle};
     int measured = 0;
     const Counter begin = lists.start[index], listed = lists.start[index + 1] - begin;
-    // Before the list comes the triangle nearest to the tile's centre, of which it is one: so warps know a point of the
-    // mesh near to them from the start. Measured to twice, it changes nothing.
+    // Begin with the triangle nearest to the tile's centre, which is also in the list: so warps know a near point of
+    // the mesh from the start. Measuring it twice changes nothing.
     const Counter extra = nearest_center != kNoTriangle && listed > 0, all = listed + extra;
     for (Counter first = 0; first < all; first += Stage::kTriangles) {
       const int count = all - first < Stage::kTriangles ? static_cast<int>(all - first) : Stage::kTriangles;
-      // The warps set up in turns.
+      // The warps take turns in setting up.
       const int n = (thread + static_cast<int>(first % kGatherThreads)) % kGatherThreads;
       const Counter mine = first + static_cast<Counter>(n);
       __syncthreads();  // the last stage has been read

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin bands: a block of threads takes one item of work after the other, and its warps share the item's triangles.
+// Thin bands: a block of threads takes one work item after another, and its warps share the item's triangles.
 #pragma once
 
 #include <type_traits>
@@ -9,22 +9,21 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// A warp measures to the triangles that it has staged. What the samples of a tile have found lies in shared
-// memory, where it is lowered by atomic minima: the order of triangles changes no bit.
+// A warp measures the triangles that it has staged. The best of each sample of the tile lies in shared memory, and is
+// lowered by atomic minima: so the order of triangles changes no bit.
 //
 // A short triangle reaches a few samples of the tile. A lane takes a row of them, along which two thirds of the linear
-// functions of the frame stay the same, and no lane measures where the triangle does not reach. A long triangle is
-// compared with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured to in the groups that
-// are near.
+// functions of the frame stay the same, and no lane measures beyond the triangle's reach. A long triangle is compared
+// with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured in the groups that are near.
 
-// Few warps to a block, as all of them wait for the last one at the end of a tile; and so many blocks to a
-// multiprocessor that others go on meanwhile. 56 registers, of which the double precision of long triangles wants more.
+// A block has few warps, as all of them wait for the last one at the end of a tile; a multiprocessor has so many blocks
+// that others go on meanwhile. This leaves 56 registers; the double precision of long triangles could use more.
 inline constexpr int kBandThreads = 128, kBandBlocks = 9;
 inline constexpr int kBandWarps = kBandThreads / 32;
 static_assert(kLeastPart % kBandThreads == 0);
 
-/// What a sample has found: the squared distance's bits, which ascend with it as it is not negative; above the nearest
-/// triangle's index where that is wanted, so that the lowest wins a tie.
+/// The best of a sample as an integer: the bits of the squared distance, which ascend with it because it is not
+/// negative; and below them the nearest triangle's index if it is asked for, so that the lowest wins a tie.
 template <bool kNearest>
 using Found = std::conditional_t<kNearest, Counter, std::uint32_t>;
 
@@ -33,36 +32,36 @@ STANDOFF_DEVICE Found<kNearest> found(float distance_sq, std::uint32_t triangle)
   if constexpr (kNearest) return Counter{__float_as_uint(distance_sq)} << 32 | triangle;
   return __float_as_uint(distance_sq);
 }
-/// The least that no sample of the band has found: the float after the thickness squared, as rounded. Whatever lies
-/// above the rounded square lies above the true one too, so its root is no less than the thickness, to which it would
-/// be clamped: such distances need not be kept.
+/// The least value that no band sample has: the float after the rounded square of the thickness. A float above the
+/// rounded square is above the true square too, so its root is no less than the thickness, to which it would be
+/// clamped: such distances need not be kept.
 template <bool kNearest>
 STANDOFF_DEVICE Found<kNearest> nothing_found(const Lattice& l) {
   return found<kNearest>(__uint_as_float(__float_as_uint(l.thickness_sq) + 1), 0);
 }
 
-/// Words from row to row: those of a triangle's rows then lie in different banks of shared memory.
+/// Words from row to row: one more than a row has, so that rows of a triangle lie in different banks of shared memory.
 inline constexpr int kFoundRow = kTileSide + 1;
 STANDOFF_DEVICE int found_at(int x, int y, int z) { return x + kFoundRow * (y + kTileSide * z); }
 
-/// What the threads of a block share.
+/// The shared memory of a block.
 template <bool kNearest>
 struct BandTile {
   WorkItem item;
   int has_item;
-  unsigned band;  // samples in it
+  unsigned band;  // the number of samples in the band
   TileView view;
   Found<kNearest> found[kFoundRow * kTileSide * kTileSide];
   BandStage stage[kBandWarps];
 };
 
-/// The steps of a gather. A program that measures what each of them costs leaves some out; a field takes these.
+/// The steps of a gather. A field takes all of them; a benchmark of single steps leaves some out.
 struct AllSteps {
-  static constexpr bool kSetsUp = true;     // triangles
-  static constexpr bool kFindsRows = true;  // which samples to measure from
+  static constexpr bool kSetsUp = true;     // sets up triangles
+  static constexpr bool kFindsRows = true;  // finds the samples to measure from
   static constexpr bool kMeasures = true;
   static constexpr bool kWrites = true;
-  /// Whether a number that was found is written, or counted where its step is the last.
+  /// Whether a number that was found is written, or counted if its step is the last.
   static STANDOFF_DEVICE bool uses(float) { return true; }
 };
 
@@ -76,7 +75,7 @@ STANDOFF_DEVICE std::uint32_t warp_or(std::uint32_t bits) {
 #endif
 }
 
-/// Measures from a row of samples to a staged triangle; returns how many samples that were.
+/// Measures from a row of samples to a staged triangle; returns the number of samples.
 template <bool kNearest, class Steps>
 STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, int n, unsigned row,
                                      BandTile<kNearest>& tile) {
@@ -90,7 +89,7 @@ STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, i
               z = static_cast<int>(rows.box >> 16) + deep;
     const auto f = load<TriangleFrame<float>>(stage.frame[n]);
     const float py = tile.view.coordinate[1][y], pz = tile.view.coordinate[2][z];
-    // evaluate() of triangle_frame.h, of which all but the last step is the same along the row.
+    // This is evaluate() of triangle_frame.h; only its last step changes along the row.
     const float q0 = fma(py, f.q.g.y, fma(pz, f.q.g.z, f.q.c)), y0 = fma(py, f.y.g.y, fma(pz, f.y.g.z, f.y.c)),
                 z0 = fma(py, f.z.g.y, fma(pz, f.z.g.z, f.z.c));
     const std::uint32_t triangle = kNearest ? stage.triangle[n] : 0;
@@ -104,15 +103,15 @@ STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, i
   return static_cast<unsigned>(nx);
 }
 
-/// Measures to the staged short triangles, which have `count` rows. All lanes take part; each returns from how many
-/// samples it measured.
+/// Measures the staged short triangles, which have `count` rows. All lanes take part; each returns the number of
+/// samples that it measured from.
 template <bool kNearest, class Steps>
 STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, unsigned count,
                                      BandTile<kNearest>& tile) {
   const unsigned lane = threadIdx.x % 32;
-  const unsigned first_row = stage.rows[lane].number & 0xffff;  // of the triangle that is this lane's here
+  const unsigned first_row = stage.rows[lane].number & 0xffff;  // the first row of this lane's triangle
   unsigned measured = 0;
-  int begun = 0;  // triangles whose rows begin before `first`
+  int begun = 0;  // the number of triangles whose rows begin before `first`
   for (unsigned first = 0; first < count; first += 32) {
     const unsigned ahead = first_row - first;
     const std::uint32_t begin = warp_or(ahead < 32 ? 1u << ahead : 0);
@@ -123,17 +122,17 @@ STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, u
   return measured;
 }
 
-/// Measures to the staged long triangles, from kGroups of the tile's groups of samples on: from all of them, or from a
-/// warp's share. All lanes take part, and each returns from how many samples it measured.
+/// Measures the staged long triangles from kGroups of the tile's groups of samples: from all groups, or from a warp's
+/// share of them. All lanes take part; each returns the number of samples that it measured from.
 template <bool kNearest, class Steps, int kGroups>
 STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int first_group,
                                      BandTile<kNearest>& tile) {
-  constexpr int kAtOnce = 32 / kGroups;  // triangles, a lane for each of them and each group
+  constexpr int kAtOnce = 32 / kGroups;  // triangles at once: a lane for each triangle and group
   const int lane = static_cast<int>(threadIdx.x) % 32, count = stage.long_count;
   const float* const x = tile.view.coordinate[0];
   const float* const y = tile.view.coordinate[1];
   const float* const z = tile.view.coordinate[2];
-  const SampleAt group = sample_of_thread((first_group + lane % kGroups) * 32);  // the first of this lane's group
+  const SampleAt group = sample_of_thread((first_group + lane % kGroups) * 32);  // the first sample of the lane's group
   const Triple<float> center{(x[group.x] + x[group.x + 3]) / 2, (y[group.y] + y[group.y + 3]) / 2,
                              (z[group.z] + z[group.z + 1]) / 2};
   const float within = l.thickness * (1 + kSlackRatio) + warp_extent(l).radius;
@@ -159,22 +158,20 @@ STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, i
   return measured;
 }
 
-// Items of work, one after the other.
-
-/// A warp stages this many triangles at least: staging takes as long for one as for 32.
+/// A warp stages at least this many triangles: staging takes as long for one as for 32.
 inline constexpr std::uint32_t kLeastEach = 8;
 
-/// Without the lowest `count` of its bits.
+/// Clears the lowest `count` set bits.
 STANDOFF_DEVICE std::uint32_t without_lowest(std::uint32_t bits, int count) {
   for (int n = 0; n < count; ++n) bits &= bits - 1;
   return bits;
 }
 
-/// Measures to the triangles of the block's item; ends with a barrier. Returns from how many samples this lane
-/// measured.
+/// Measures the triangles of the block's item; ends with a barrier. Returns the number of samples that this lane
+/// measured from.
 ///
-/// A list of few triangles, which is staged at once, may have long ones in one warp alone. So all warps measure to
-/// these, each from a quarter of the samples. In a longer list each warp has some, and none waits for another.
+/// In a short list, which is staged at once, one warp may have all long triangles. So all warps measure them, each from
+/// a quarter of the samples. In a longer list each warp has some, and none waits for another.
 template <bool kNearest, class Steps>
 STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const std::uint32_t* entries,
                                      BandTile<kNearest>& tile) {
@@ -220,8 +217,8 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
   }
 }
 
-/// Finishes the tile: clamps what `at` says each sample has found, and writes it; a tile without a band sample stays
-/// unstored (sparse). All threads of the block take part. Returns how many samples are in the band.
+/// Finishes the tile: clamps the best of each sample, which `at` returns, and writes it. A sparse field does not store
+/// a tile without a band sample. All threads of the block take part. Returns the number of samples in the band.
 template <bool kNearest, class Steps, class At>
 STANDOFF_DEVICE unsigned finish_band(const Lattice& l, const std::int64_t* tile, const int* inside, unsigned* band,
                                      const DeviceOutput& output, At at) {
@@ -259,7 +256,7 @@ STANDOFF_DEVICE unsigned finish_band(const Lattice& l, const std::int64_t* tile,
   return in_band;
 }
 
-/// Leaves what a part of a list has found where the other parts do. All threads of the block take part.
+/// Merges the results of a part of a list into the results of all parts. All threads of the block take part.
 template <bool kNearest>
 STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile, Found<kNearest>* into) {
   const auto nothing = nothing_found<kNearest>(l);
@@ -269,7 +266,7 @@ STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile
   }
 }
 
-/// Blocks take items until there are none. A tile whose list is cut is only lowered, and left to finish_cut_tiles.
+/// Blocks take items until none is left. A tile whose list was cut is finished later, by finish_cut_tiles.
 template <bool kNearest, class Steps = AllSteps>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
     gather_band(Lattice l, DeviceMesh mesh, const std::uint32_t* entries, BandWork work, DeviceOutput output,
@@ -285,7 +282,7 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
       tile.has_item = mine < items;
       if (mine < items) {
         tile.item = work.at(mine);
-        mine = atomicAdd(&work.counts->taken, Counter{1});  // the next one: known by then
+        mine = atomicAdd(&work.counts->taken, Counter{1});  // take the next item early: it is known when needed
       }
       tile.band = 0;
     }
@@ -313,7 +310,7 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
   if (t == 0 && band) atomicAdd(&outcome->samples_band, band);
 }
 
-/// Blocks stride over the tiles whose lists were cut.
+/// Finishes the tiles whose lists were cut; blocks stride over them.
 template <bool kNearest, class Steps = AllSteps>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
     finish_cut_tiles(Lattice l, BandWork work, DeviceOutput output, Outcome* outcome) {

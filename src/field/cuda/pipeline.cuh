@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The launches of one field, in order: a pipeline for thin bands, one for thick bands and full fields. A pipeline has
-// two halves: after the first one it is known how much memory the second one needs. On a stream all of it is there
-// beforehand (in_workspace() below); from host memory the counts are read in between (counted_run.cuh).
+// The launches of a field, in order: a pipeline for thin bands, and one for thick bands and full fields. A pipeline has
+// two halves: the first one counts the memory that the second one needs. On a stream, a workspace holds all of it from
+// the beginning (in_workspace() below); from host memory, the counts are read in between (counted_run.cuh).
 //
 // A pipeline P is a struct of arrays in device memory with
 //   P::kBytesPerEntry                                   bytes that its lists take per entry
@@ -24,7 +24,7 @@ namespace standoff::STANDOFF_PLATFORM {
 
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
-/// What every pipeline needs: which tiles are used, and scratch for running sums over the tiles.
+/// The arrays of every pipeline: which tiles are used, and scratch memory for running sums over the tiles.
 struct TileArrays {
   std::uint32_t* used;  // per tile, and a zero behind the last
   Counter* rank;        // their running sum
@@ -41,14 +41,14 @@ struct TileArrays {
   void sum(const std::uint32_t* counts, Counter* start, std::int64_t count, Stream stream) const {
     running_sum(stream, sum_scratch, sum_scratch_bytes, counts, start, count);
   }
-  /// Slots for the tiles marked as used.
+  /// Gives slots to the tiles marked as used.
   void give(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t tiles = l.tile_count();
     sum(used, rank, tiles + 1, stream);
     launch(stream, "give slots", give_slots, blocks_for(tiles + 1), kThreads, used, rank, tiles, task.output,
            task.outcome);
   }
-  /// Slots for the tiles that have triangles.
+  /// Gives slots to the tiles that have triangles.
   void give(const Lattice& l, const Task& task, const Counter* start, Stream stream) const {
     const std::int64_t tiles = l.tile_count();
     launch(stream, "mark tiles", mark_used_tiles, blocks_for(tiles + 1), kThreads, start, tiles, used);
@@ -56,7 +56,7 @@ struct TileArrays {
   }
 };
 
-/// How many blocks stride over the tiles.
+/// The number of blocks that stride over the tiles.
 inline std::int64_t tile_blocks(const Lattice& l) {
   const std::int64_t tiles = l.tile_count(), most = std::int64_t{kManyBlocks} * 4;
   return tiles < most ? tiles : most;
@@ -65,14 +65,14 @@ inline std::int64_t tile_blocks(const Lattice& l) {
 class CountedRun;
 
 inline void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  // Dense: a block a tile, as some take far longer than others. Sparse: most tiles may be empty, so blocks look for
-  // those that are not.
+  // Dense: launch a block per tile, as some take far longer than others. Sparse: most tiles may be empty, so blocks
+  // stride over them.
   const std::int64_t tiles = l.tile_count(), blocks = task.output.slots || tiles > 0x7fffffff ? tile_blocks(l) : tiles;
   launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, blocks, kGatherThreads, l, task.mesh,
          lists, task.output, task.outcome);
 }
 
-/// Thin bands: triangles are counted in the tiles that they reach, and then listed there.
+/// Thin bands: triangles are counted in the tiles that they reach, then listed there.
 struct ThinBand {
   static constexpr std::int64_t kBytesPerEntry = 4;
   TileArrays tiles;
@@ -97,7 +97,7 @@ struct ThinBand {
     work.counts = memory.take<WorkCounts>(1);
   }
 
-  /// First half: how many triangles each tile has, and which tiles get a slot. Nothing is listed.
+  /// First half: counts the triangles of each tile, and gives tiles their slots. Lists nothing.
   void count(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t all = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
     launch(stream, "clear", clear_outcome, 1, 1, task.outcome, long_ones.count, 2);
@@ -110,7 +110,7 @@ struct ThinBand {
     if (task.output.slots) tiles.give(l, task, lists.start, stream);
   }
 
-  /// Second half: the lists, and the field from them.
+  /// Second half: writes the lists, and the field from them.
   template <class Steps = AllSteps>
   void fill(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
@@ -136,8 +136,8 @@ struct ThinBand {
   inline void run(CountedRun& run);
 };
 
-/// Thick bands and full fields: the lists of one level of cells, and those of their parents; the two swap from level to
-/// level (cell_hierarchy.cuh).
+/// Thick bands and full fields: the lists of one level of cells, and the lists of their parents; the two halves of the
+/// arrays swap from level to level (cell_hierarchy.cuh).
 struct ThickBand {
   static constexpr std::int64_t kBytesPerEntry = 4 + 4 + 1;
   TileArrays tiles;
@@ -147,11 +147,11 @@ struct ThickBand {
   unsigned char* keep;
   Counter* bound;
   Counter* chunk_start;
-  Counter capacity;  // of each of entries, and of keep
+  Counter capacity;  // of each half of `entries`, and of `keep`
 
   ThickBand(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t most)
       : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
-    const std::int64_t cells = l.tile_count() + 1;  // no level has more
+    const std::int64_t cells = l.tile_count() + 1;  // no level has more cells
     counts = memory.take<std::uint32_t>(cells);
     for (auto& one : start) one = memory.take<Counter>(cells > 2 ? cells : 2);
     for (auto& one : entries) one = memory.take<std::uint32_t>(most);
@@ -160,7 +160,7 @@ struct ThickBand {
     chunk_start = memory.take<Counter>(cells);
   }
 
-  /// From the parents' lists in half `half` of the arrays to the children's in the other.
+  /// The step from the parents' lists in half `half` of the arrays to the children's lists in the other half.
   Step step_to(const Lattice& l, int child_level, int half) const {
     return {level_of(l, child_level + 1),
             level_of(l, child_level),
@@ -174,14 +174,14 @@ struct ThickBand {
             entries[1 - half]};
   }
 
-  /// The list of the one cell that is the whole grid, in half 0.
+  /// Writes the list of the root, the whole grid, to half 0.
   void begin(const Task& task, Stream stream) const {
     launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
     launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, entries[0], start[0],
            task.outcome);
   }
 
-  /// First half of a level: which children keep which candidates, and how many that makes. No list is written.
+  /// First half of a level: decides which children keep which candidates, and counts them. Writes no list.
   void count_level(const Lattice& l, const Task& task, const Step& step, int half, Stream stream) const {
     const std::int64_t parents = step.parent.count(), children = step.child.count();
     launch(stream, "count chunks", count_chunks, blocks_for(parents + 1), kThreads, step.parent_start, parents, counts,
@@ -195,12 +195,12 @@ struct ThickBand {
     launch(stream, "check room", check_entries, 1, 1, start[1 - half] + children, capacity, task.outcome);
   }
 
-  /// Second half of a level: the children's lists.
+  /// Second half of a level: writes the children's lists.
   static void fill_level(const Lattice& l, const Task& task, const Step& step, Stream stream) {
     launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, step, task.outcome);
   }
 
-  /// The field from the tiles' lists, which are in half `half`.
+  /// Computes the field from the tiles' lists in half `half`.
   void gather_tiles(const Lattice& l, const Task& task, int half, Stream stream) const {
     launch_gather(l, task, {start[half], entries[half], top_level(l) > 0 ? bound : nullptr}, stream);
   }
@@ -219,18 +219,16 @@ struct ThickBand {
   inline void run(CountedRun& run);
 };
 
-// Workspaces: how large they must be, and how they are cut into arrays.
-
 /// Calls use.template operator()<Pipeline>() with the pipeline of the method `tiles` for a thickness.
 template <class Use>
 auto with_tiles_pipeline(const Grid& grid, double thickness, Use use) {
   return is_thin(grid, thickness) ? use.template operator()<ThinBand>() : use.template operator()<ThickBand>();
 }
 
-// What cutting the memory into arrays may lose to their alignment.
+// Bytes that the alignment of arrays may waste.
 inline constexpr std::int64_t kAlignmentLoss = 4096;
 
-/// Bytes of a workspace for `entries` list entries, and one for each triangle.
+/// Bytes of a workspace for `entries` list entries, plus one entry per triangle.
 template <class Pipeline>
 std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t entries) {
   gpu::Workspace memory(nullptr);
@@ -238,7 +236,7 @@ std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t
   return memory.used() + std::max(entries, triangles) * Pipeline::kBytesPerEntry + kAlignmentLoss;
 }
 
-/// Throws Error{usage} where a task cannot be enqueued, whatever its method.
+/// Throws Error{usage} if a task is not valid.
 inline void check_task(const Task& task) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   validate(task.grid);
@@ -250,7 +248,7 @@ inline void check_task(const Task& task) {
     fail("the output has room for " + std::to_string(task.output.slot_capacity) + " tiles; give it 0 or more");
 }
 
-/// Throws Error{usage} where a workspace is null, not aligned or smaller than `least`.
+/// Throws Error{usage} if a workspace is null, not aligned or smaller than `least`.
 inline void check_workspace(const void* workspace, std::int64_t bytes, std::int64_t least) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   if (reinterpret_cast<std::uintptr_t>(workspace) % gpu::Workspace::kAlignment != 0)
@@ -261,7 +259,7 @@ inline void check_workspace(const void* workspace, std::int64_t bytes, std::int6
          " at least; ask workspace_bytes()");
 }
 
-/// A pipeline in a workspace, whose remaining memory all goes to its lists. Requires a checked task and workspace.
+/// A pipeline in a workspace; its lists get all remaining memory. Requires a checked task and workspace.
 template <class Pipeline>
 Pipeline in_workspace(const Task& task, const Lattice& l, void* workspace, std::int64_t bytes) {
   const std::int64_t triangles = task.mesh.used_count();

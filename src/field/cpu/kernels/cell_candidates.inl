@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which candidates of a tile its cells have to look at.
+// How the cells of a tile cull its candidates.
 //
 // The candidates of a tile are set up once, in groups of sixteen, and measured from the corners of its 2x2x2 cells. The
 // nearest point found from a corner is a reference q for the cells around it.
 //
-// A cell chooses its candidates. A candidate beats q at a sample x of the cell when it holds a point p with
-// |x-p|^2 < |x-q|^2. For a given p the two sides differ by a linear function of x, so if p beats q anywhere in the cell
-// it does so at a corner; and so a candidate is out when, for some q, its distance from each corner is at least that of
-// q. The test for boxes (cull_boxes.inl) keeps tilted triangles, whose boxes are much larger than they are; this one
-// does not.
+// A candidate beats q at a sample x of the cell if it holds a point p with |x-p|^2 < |x-q|^2. The difference of both
+// sides is linear in x, so if p beats q anywhere in the cell, it beats q at a corner. So a candidate is culled if some
+// q is at most as far as the candidate from every corner. The test for boxes (cull_boxes.inl) keeps tilted triangles,
+// whose boxes are much larger than they are; this one does not.
 #pragma once
 
 #include "field/cpu/kernels.h"
@@ -17,11 +16,11 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// What is added to a squared distance, beside the share a of it, to allow for a slack s in the distance the other way:
+// The constant that raises a squared distance d^2 (1+a) to an upper bound for an error s of the distance:
 // (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
 STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
 
-// A coordinate, in grid units, far from all samples; its square is still finite.
+// A coordinate far from all samples, in grid units, whose square is finite.
 constexpr float kFarAway = 0x1p60f;
 
 STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
@@ -30,7 +29,7 @@ STANDOFF_INLINE void set_up(const Group& loaded, FrameGroup& g) {
   WideUint::load(loaded.index).store(g.index);
 }
 
-// Sets up the candidates first, first + 1, ... as far as there is room.
+// Sets up the candidates first, first + 1, ... while there is room.
 STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                 std::int64_t first, CandidateTable& table) {
   table.count = 0;
@@ -48,7 +47,7 @@ STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick,
       farthest = max(farthest, max(abs(low), abs(high)));
       low.store(g.extent.low[axis]);
       high.store(g.extent.high[axis]);
-      // Rounding may leave that of a long triangle far off it: somewhere else, where it limits nothing.
+      // Rounding may move the centroid of a long triangle far off it: put its point where it bounds nothing.
       select(is_long, WideFloat(kFarAway), (a + b + d) * WideFloat(1 / 3.0f)).store(g.extent.point[axis]);
     }
     const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
@@ -71,7 +70,7 @@ STANDOFF_INLINE float corner_coordinate(const BlockLattice& lattice, int axis, i
          static_cast<float>(lattice.spacing[axis] * lattice.scale);
 }
 
-// The lattice of a tile's cells; nothing is known near its corners yet.
+// Places the corners of a tile's cells; no point of the surface is known yet.
 STANDOFF_INLINE void place_corners(const BlockLattice& lattice, const int (&first_sample)[3], CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   for (int n = 0; n < CandidateTable::kCorners; ++n) {
@@ -84,13 +83,13 @@ STANDOFF_INLINE void place_corners(const BlockLattice& lattice, const int (&firs
   }
 }
 
-// The nearest candidate of a group found so far from a corner, lane by lane.
+// The nearest candidate to a corner so far, lane by lane.
 struct NearestOfLanes {
   alignas(64) float distance_sq[kLanes];
   alignas(64) std::uint32_t group[kLanes];
 };
 
-// Remembers the point of the surface nearest to a corner.
+// Stores the point of the surface nearest to a corner.
 STANDOFF_INLINE void take_nearest(const CandidateTable& table, const NearestOfLanes& found,
                                   CandidateTable::Corner& corner) {
   const WideFloat distances = WideFloat::load(found.distance_sq);
@@ -107,7 +106,7 @@ STANDOFF_INLINE void take_nearest(const CandidateTable& table, const NearestOfLa
   corner.slack = g.slack[lane];
 }
 
-// Measures all candidates of the table from all corners of the lattice, and finds the surface near each.
+// Measures all candidates of the table from all corners, and finds the point of the surface nearest to each.
 STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   NearestOfLanes found[CandidateTable::kCorners];
@@ -141,11 +140,11 @@ STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   for (int n = 0; n < CandidateTable::kCorners; ++n) take_nearest(table, found[n], table.corners[n]);
 }
 
-// A cell: its eight corners, each with its reference, and how near to a corner a candidate must be to beat a reference.
+// The eight corners of a cell, their references, and the squared distance below which a candidate beats a reference.
 struct CellCorners {
   int number[8];                               // in the tile's lattice
-  const CandidateTable::Corner* reference[8];  // near a corner
-  float limit[8][8];                           // of a reference, at a corner
+  const CandidateTable::Corner* reference[8];  // by corner
+  float limit[8][8];                           // by reference, by corner
   float reach_sq;
 };
 
@@ -166,7 +165,7 @@ STANDOFF_INLINE CellCorners cell_corners(const BlockLattice& lattice, const Cand
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];
-    const float added_sq = beyond_slack(reference.slack);  // the surface passes within the slack of the reference
+    const float added_sq = beyond_slack(reference.slack);  // the reference is within its slack of the surface
     result.reference[q] = &reference;
     for (int n = 0; n < 8; ++n) {
       const float* at = table.corners[number[n]].at;
@@ -194,7 +193,7 @@ STANDOFF_INLINE std::uint32_t chosen(const CandidateTable::Group& g, const CellC
   return may.to_bits();
 }
 
-// Writes down which groups and lanes a cell has to look at.
+// Lists the groups and lanes of a cell's candidates.
 STANDOFF_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
   table.active_groups = 0;
   for (int n = 0; n < table.count; ++n) {
@@ -204,19 +203,19 @@ STANDOFF_INLINE void choose(CandidateTable& table, const CellCorners& cell) {
   }
 }
 
-// How the blocks of a cell choose among its candidates.
+// How the blocks of a cell cull its candidates.
 //
-// Many candidates may be nearest to some point of a cell, but the cell has few samples. A point of any candidate limits
-// how far a sample can be from the surface. A block leaves out the candidates whose boxes are farther than this limit
-// from each of its samples.
+// Many candidates may be nearest to some point of a cell, but the cell has few samples. A point of any candidate bounds
+// the distance of each sample from the surface. A block culls the candidates whose boxes are beyond this bound for each
+// of its samples.
 
-// The samples of a cell: of its blocks, and along the axes.
+// The coordinates of a cell's samples: by block, and along the axes.
 struct CellSamples {
   WideFloat x, y[kCellBlocks], z[kCellBlocks];
   float plane[3][kCellSide];
 };
 
-// Those of the cell whose first sample is `at`, moved by `offset`.
+// The samples of the cell whose first sample is `at`, moved by `offset`.
 STANDOFF_INLINE CellSamples cell_samples(const BlockLattice& lattice, const int (&at)[3], const float (&offset)[3]) {
   const int bx = at[0] / kBlockX, by = at[1] / kBlockY, bz = at[2] / kBlockZ;
   CellSamples s;
@@ -233,14 +232,14 @@ STANDOFF_INLINE CellSamples cell_samples(const BlockLattice& lattice, const int 
   return s;
 }
 
-// Squared distances of a cell's samples from the nearest of the points looked at.
+// Squared distances of a cell's samples from the nearest point of the surface so far.
 struct PointDistances {
   WideFloat least_sq[kBlocksOfCell];
 
   STANDOFF_INLINE PointDistances() {
     for (WideFloat& l : least_sq) l = WideFloat(__builtin_inff());
   }
-  // Takes a point of the surface. Where the surface only passes near it, `added_sq` is added to the squared distances.
+  // Adds a point of the surface. If the point is only near the surface, `added_sq` raises its squared distances.
   STANDOFF_INLINE void look_at(const CellSamples& s, float px, float py, float pz, float added_sq = 0) {
     const WideFloat dx = s.x - WideFloat(px), dx_sq = fma(dx, dx, WideFloat(added_sq));
     for (int k = 0; k < kCellBlocks; ++k) {
@@ -263,12 +262,12 @@ struct BlockLimits {
   alignas(64) float distance_sq[kBlocksOfCell][kLanes];
 };
 
-// The points looked at, the boxes and what is computed for their triangles may be off by `slack`.
+// `slack` bounds the errors of the points, of the boxes, and of distances from their triangles.
 STANDOFF_INLINE BlockLimits block_limits(const BlockLattice& lattice, const int (&at)[3], const PointDistances& points,
                                          float slack, const BrickState& state) {
   const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlackRatio);
   const WideFloat added(beyond_slack(slack));
-  // A box is out when gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
+  // A box is culled if gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
   const WideFloat lowered_by(slack_sq / kSlackShare);
   BlockLimits limits;
   for (int n = 0; n < kBlocksOfCell; ++n) {
@@ -279,9 +278,9 @@ STANDOFF_INLINE BlockLimits block_limits(const BlockLattice& lattice, const int 
   return limits;
 }
 
-// Calls take(first, chosen) for each sixteen boxes, `first` being the number of the first one; chosen[n] are those that
-// the n-th block has to look at. The squared distance of a sample from a box is a sum of three numbers, one per axis,
-// and a cell has four different ones on each axis.
+// Calls take(first, chosen) for each sixteen boxes from number `first` on; chosen[n] has a bit for each box that the
+// n-th block keeps. The squared distance of a sample from a box is a sum of three numbers, one per axis, and a cell has
+// only four different ones on each axis.
 template <class Take>
 STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLimits& limits,
                                        const float* const (&low)[3], const float* const (&high)[3], int count,
@@ -299,7 +298,7 @@ STANDOFF_INLINE void choose_for_blocks(const CellSamples& samples, const BlockLi
     const Mask used = mask_from_bits(left < kLanes ? (1u << left) - 1 : 0xffffu);
     Mask chosen[kBlocksOfCell];
     for (int block = 0; block < kBlocksOfCell; ++block) {
-      WideFloat beyond(__builtin_inff());  // by how much the farthest limit is missed
+      WideFloat beyond(__builtin_inff());  // the least amount by which a sample's limit is exceeded
       for (int row = 0; row < kBlockY * kBlockZ; ++row) {
         WideFloat in_row(__builtin_inff());
         for (int i = 0; i < kBlockX; ++i)

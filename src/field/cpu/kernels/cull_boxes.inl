@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that drop boxes of triangles.
+// The kernels that cull boxes of triangles.
 //
 // With the cell's centre as origin, its half extents h and a point q of the surface, a box that holds the nearest point
 // p of some sample x must have |x-p|^2 < |x-q|^2, that is |p|^2 - |q|^2 < 2 x.(p-q). The right side is at most
-// 2 sum h_a |p_a - q_a| over the cell, so the box is out when
+// 2 sum h_a |p_a - q_a| over the cell, so the box is culled if
 //     sum over axes a of min over p_a in the box of (p_a^2 - 2 h_a |p_a - q_a|)  >=  |q|^2.
-// The axes part. On one axis -|d| is the smaller of -d and d, and the two parabolas p^2 - 2hp + 2hq and p^2 + 2hp - 2hq
-// have their least values at p = h and p = -h, clamped to the box: but for +-2hq these do not depend on q, so many
-// points q cost little more than one. Far from a flat sheet, with q nearest to the cell's corners, this leaves the
-// patch under the cell; comparing distances leaves a disc that grows with the distance.
+// The axes separate. On one axis -|d| is the smaller of -d and d, and the two parabolas p^2 - 2hp + 2hq and
+// p^2 + 2hp - 2hq have their least values at p = h and p = -h, clamped to the box. Apart from +-2hq these do not depend
+// on q, so many points q cost little more than one. Far from a flat sheet, with q nearest to the cell's corners, this
+// test keeps the patch under the cell; comparing distances keeps a disc that grows with the distance.
 #pragma once
 
 #include "field/cpu/kernels.h"
@@ -19,12 +19,11 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// The margin by which |q|^2 is raised, as a share of |q|^2 + |h|^2 + kLeastCellSq. Rounding of the sum is below 2e-6 of
-// that. The rest, 1e-5 |q| of distance, covers what distances are off by that the gather computes in float, so that
-// culling changes no bit. With a smaller margin it may; a larger one keeps more boxes.
+// The margin that raises |q|^2, as a share of |q|^2 + |h|^2 + kLeastCellSq. The rounding of the sum is below 2e-6 of
+// that. The rest, 1e-5 |q| of distance, covers the error of the float distances that the gather computes: so culling
+// changes no bit. With a smaller margin it may; a larger one keeps more boxes.
 constexpr float kCullMargin = 2e-5f;
-// Squared grid units: the margin must not vanish for a cell of one sample, whose half extents are 0, beside a q near
-// it.
+// Squared grid units: keeps the margin above zero for a cell of one sample, whose half extents are 0, with q near it.
 constexpr float kLeastCellSq = 4;
 
 // The least values of p^2 - 2hp and of p^2 + 2hp over low <= p <= high.
@@ -37,13 +36,13 @@ STANDOFF_INLINE LeastOnAxis least_on_axis(const WideFloat& low, const WideFloat&
   return {a * (a - twice), b * (b + twice)};
 }
 
-// A reference as the test needs it: 2 h_a q_a, and |q|^2 with a margin for the rounding of the sum it is compared with.
+// A reference in the form of the test: 2 h_a q_a, and |q|^2 with its margin.
 struct CullReference {
   float shift[3];
   float limit;
 };
 
-// Which boxes, relative to the cell's centre, can hold a point nearer to some sample than every reference is.
+// Whether boxes, relative to the cell's centre, can hold a point nearer to some sample than every reference is.
 STANDOFF_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const float* half,
                               const CullReference* references, int count, Mask among) {
   const LeastOnAxis x = least_on_axis(low.x, high.x, half[0]), y = least_on_axis(low.y, high.y, half[1]),
@@ -58,7 +57,7 @@ STANDOFF_INLINE Mask may_beat(const WidePoint& low, const WidePoint& high, const
   return among;
 }
 
-// The squared distance from the cell's samples to boxes relative to its centre, at least.
+// A lower bound of the squared distance between the cell's samples and boxes, relative to the cell's centre.
 STANDOFF_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, const float* half) {
   const WideFloat zero(0);
   const auto gap = [&](const WideFloat& l, const WideFloat& h, float extent) __attribute__((always_inline)) {
@@ -68,12 +67,12 @@ STANDOFF_INLINE WideFloat gap_sq(const WidePoint& low, const WidePoint& high, co
   return fma(x, x, fma(y, y, z * z));
 }
 
-// A cell and its references, ready for the tests.
+// A cell and its references in the form of the tests.
 struct Culling {
   WidePoint center;
   const float* half;
   WideFloat reach_sq;
-  bool is_limited;  // by the reach
+  bool is_limited;  // whether the reach is finite
   CullReference references[References::kMost];
   int count;
 };
@@ -98,7 +97,7 @@ STANDOFF_INLINE Culling culling(const CullCell& cell, const References& referenc
   return c;
 }
 
-// Adds those of sixteen boxes that are within reach and may beat the references.
+// Adds the boxes, of sixteen, that are within reach and may beat the references.
 STANDOFF_INLINE void keep_some(const Culling& c, const WidePoint& low, const WidePoint& high, const WideUint& entries,
                                int used, BoxArrays& kept) {
   const WidePoint l = low - c.center, h = high - c.center;
@@ -138,7 +137,7 @@ void cull_nodes(const BvhNode* nodes, std::int64_t count, const CullCell& cell, 
   }
 }
 
-// The kernels that look for the box nearest to a point, by the boxes' centres, and for a point of a triangle in it.
+// The kernels that find the box whose centre is nearest to a point, and the closest point of a triangle in it.
 
 // The nearest box so far, lane by lane.
 struct NearestBox {
@@ -152,7 +151,8 @@ STANDOFF_INLINE std::uint32_t nearest_position(const NearestBox& found) {
   return positions[__builtin_ctz(equal(found.distance_sq, WideFloat(reduce_min(found.distance_sq))).to_bits())];
 }
 
-// Plane by plane of the lattice: the squared distances are sums of numbers that the points of a row or column share.
+// Visits the lattice plane by plane: the squared distances are sums of numbers that the points of a row or column
+// share.
 void nearest_to_lattice(const BoxArrays& boxes, const float (&at)[3][kLatticeSide], std::uint32_t* nearest) {
   constexpr int kPlane = kLatticeSide * kLatticeSide;
   const WideFloat infinity(__builtin_inff());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of a brick: its distances are cleared, counted and written. Then the kernel for narrow bands: each triangle
-// against the blocks of samples that its box, grown by the thickness, reaches.
+// The kernels that clear, count and write the distances of a brick; and the kernel for thin bands, which measures each
+// triangle from the blocks of samples that its box, grown by the thickness, reaches.
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
@@ -17,7 +17,7 @@ void clear(bool with_nearest, BrickState& state) {
   for (auto& block : state.nearest) none.store(block);
 }
 
-// Lowers the distances of a block's samples to those of a triangle; of equally near ones the lowest index counts.
+// Lowers the distances of a block's samples to the distances from a triangle; the lowest index wins a tie.
 template <bool kNearest>
 STANDOFF_INLINE void lower(BrickState& state, int block, const WideFloat& distance_sq, std::uint32_t index) {
   const WideFloat before = WideFloat::load(state.distance_sq[block]);
@@ -29,7 +29,7 @@ STANDOFF_INLINE void lower(BrickState& state, int block, const WideFloat& distan
   min(distance_sq, before).store(state.distance_sq[block]);
 }
 
-// Bits of the block's samples that lie inside the grid, for bricks the grid's far faces cut.
+// Bits of the block's samples inside the grid, whose far faces may cut the brick.
 STANDOFF_INLINE std::uint32_t inside_bits(const int (&size)[3], int bx, int by, int bz) {
   std::uint32_t bits = 0;
   for (int lane = 0; lane < kLanes; ++lane)
@@ -57,7 +57,7 @@ unsigned band_tiles(const BlockLattice& lattice, const Brick& brick, BrickState&
   return tiles;
 }
 
-// Writes those samples of a block that lie inside the grid, in rows of four.
+// Writes the samples of a block that lie inside the grid, in rows of four.
 template <class T>
 STANDOFF_INLINE void copy_block(const T* block, int x, int y, int z, const TileTarget& target, T* out) {
   const bool whole = x + kBlockX <= target.size.x && y + kBlockY <= target.size.y && z + kBlockZ <= target.size.z;
@@ -90,14 +90,14 @@ void write_tile(const BlockLattice& lattice, const BrickState& state, int tile, 
       }
 }
 
-// One long triangle against the samples of a brick, by lines that are set up in double (geometry/triangle_lines.h).
+// Long triangles are measured one by one, by lines that are set up in double (geometry/triangle_frame.h).
 
 STANDOFF_INLINE WidePoint block_samples(const BlockLattice& lattice, int block) {
   return {WideFloat::load(lattice.x[block % kBlocksX]), WideFloat::load(lattice.y[block / kBlocksX % kBlocksY]),
           WideFloat::load(lattice.z[block / (kBlocksX * kBlocksY)])};
 }
 
-// The numbers of block_of_clump.
+// The block numbers of each clump.
 struct ClumpBlocks {
   std::uint8_t block[kClumps][kLanes];
   constexpr ClumpBlocks() : block() {
@@ -108,8 +108,8 @@ struct ClumpBlocks {
 };
 constexpr ClumpBlocks kClumpBlocks;
 
-// Functions that are not inlined, which saves minutes of compilation: which of sixteen points are nearer than a limit,
-// and the distances of a block that lies in both halves of the triangle.
+// Two functions that are not inlined, which saves minutes of compilation: one tells which of sixteen points are nearer
+// than a limit, the other measures a block that lies on both sides of the triangle's altitude.
 __attribute__((noinline)) std::uint32_t points_within(const TriangleLines<WideFloat>& lines, const WidePoint& points,
                                                       float limit_sq) {
   return less(distance_sq(lines, points), WideFloat(limit_sq)).to_bits();
@@ -119,8 +119,8 @@ __attribute__((noinline)) WideFloat distance_sq_in_both(const TriangleLines<Wide
   return distance_sq(lines, points);
 }
 
-// Chooses clumps of blocks, and blocks in these, by the exact distances of their centres. Most blocks lie wholly on one
-// side of the triangle's altitude: half of its lines are enough for these.
+// Selects clumps of blocks, and blocks in them, by the exact distances of their centres. Most blocks lie on one side of
+// the triangle's altitude: half of its lines suffice for these.
 template <bool kNearest>
 STANDOFF_INLINE void gather_long(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                  std::uint32_t index, BrickState& state) {
@@ -151,9 +151,9 @@ STANDOFF_INLINE void gather_long(const BlockLattice& lattice, const Brick& brick
   }
 }
 
-// Short triangles, sixteen at a time.
+// Short triangles are set up sixteen at a time.
 
-// The blocks that hold samples within the thickness of each triangle's box, per axis: first > last for none.
+// The blocks with samples within the thickness of each triangle's box, per axis; first > last if there are none.
 struct BlockRanges {
   alignas(64) int first[3][kLanes];
   alignas(64) int last[3][kLanes];
@@ -168,7 +168,7 @@ STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Group& grou
                     c = component(group.corner[2], axis);
     const WideFloat low = min(a, min(b, c)), high = max(a, max(b, c));
     const WideFloat reach(lattice.thickness), inverse(lattice.inverse_spacing[axis]);
-    // The first sample at or above `low - reach`, and one past the last at or below `high + reach`.
+    // Find the first sample at or above `low - reach`, and one past the last at or below `high + reach`.
     const WideFloat begin = fma(low - (reach + slack), inverse, middle) + (one - slack);
     const WideFloat end = fma(high + (reach + slack), inverse, middle) + (one + slack);
     store_truncated(ranges.first[axis], max(zero, min(begin, side)));
@@ -180,8 +180,8 @@ STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Group& grou
   }
 }
 
-// A short triangle against the blocks in its grown box, kCount blocks wide from block x0 on: the count is a constant so
-// that the innermost loop has no branch to mispredict.
+// Measures a short triangle from the blocks in its grown box, which is kCount blocks wide from block x0 on: the count
+// is a constant so that the innermost loop has no branch to mispredict.
 template <bool kNearest, int kCount>
 STANDOFF_INLINE void gather_rows(const BlockLattice& lattice, const BlockRanges& ranges,
                                  const TriangleFrame<WideFloat>& f, int lane, std::uint32_t index, BrickState& state) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel for thick bands and full fields, where a tile has many candidates and each sample needs few of them. Cells
-// choose among them by distances from the cell's corners (cell_candidates.inl). Where many are left, each block of the
-// cell chooses again, by the distances of its samples from boxes (cell_candidates.inl).
+// The kernels for thick bands and full fields, where a tile has many candidates and each sample needs few of them.
+// Cells cull them by distances from the cell's corners. If many are left, each block of the cell culls again, by the
+// distances of its samples from boxes (cell_candidates.inl).
 #pragma once
 
 #include "field/cpu/kernels.h"
@@ -13,7 +13,7 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// Lists the chosen candidates, one by one, so that the loop over them has no branch to mispredict.
+// Lists the cell's candidates one by one, so that the loop over them has no branch to mispredict.
 STANDOFF_INLINE void list_chosen(CandidateTable& table) {
   table.list.count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
@@ -24,7 +24,7 @@ STANDOFF_INLINE void list_chosen(CandidateTable& table) {
   }
 }
 
-// The same for their extents.
+// Lists their extents in the same order.
 STANDOFF_INLINE void list_extents(CandidateTable& table) {
   int count = 0;
   for (int n = 0; n < table.active_groups; ++n) {
@@ -41,7 +41,7 @@ STANDOFF_INLINE void list_extents(CandidateTable& table) {
   }
 }
 
-// Lists for each block of the cell the candidates that it chooses.
+// Lists the candidates of each block of the cell.
 STANDOFF_INLINE void list_for_blocks(const BlockLattice& lattice, CandidateTable& table, const CellCorners& cell,
                                      const int (&at)[3], const BrickState& state) {
   list_extents(table);
@@ -50,7 +50,7 @@ STANDOFF_INLINE void list_for_blocks(const BlockLattice& lattice, CandidateTable
   PointDistances distances;
   for (int n = 0; n < table.list.count; ++n)
     distances.look_at(samples, extent.point[0][n], extent.point[1][n], extent.point[2][n]);
-  // Long triangles do not count: the error of lines does not grow with a triangle's length.
+  // Leave out long triangles: the error of lines does not grow with a triangle's length.
   WideFloat widest(kSlack);
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Group& g = table.groups[table.active[n].group];
@@ -82,27 +82,27 @@ STANDOFF_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& 
   best = min(d, best);
 }
 
-// Whether distances in a triangle's frame are off by no more than its slack. A needle a millionth as high as it is long
+// Whether the error of distances in a triangle's frame is within its slack. A needle a millionth as high as it is long
 // loses its altitude in the rounding of its corners, and its frame may be askew by far more.
 STANDOFF_INLINE bool is_sound(const TriangleFrame<float>& f) {
-  // As a share of the base: a hundred times the height that rounding gives to a triangle of none.
+  // A share of the base: a hundred times the height that rounding gives to a flat triangle.
   constexpr float kLeastHeight = 1e-4f;
   const float base = f.left.leg + f.right.leg, height = f.left.length * f.left.nx;
   return height > kLeastHeight * base;
 }
 
-// A limit for squared distances in a sound frame, sample by sample: where a long triangle's frame gives more, its lines
-// give more than `best_sq`. Distances in the frame are off by at most `slack`, and those by lines by far less than the
-// kSlack in it. So a candidate that is passed over would have changed no bit.
+// A limit for squared distances in a sound frame, sample by sample: if a long triangle's frame gives more, its lines
+// give more than `best_sq`. The error of distances in the frame is at most `slack`, and the error of lines is far less
+// than the kSlack in it. So a candidate that is skipped would have changed no bit.
 STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
   const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
   return reach * reach;
 }
 
-// Lowers the distances of the blocks (bx, by + j, bz + k), j and k below kSide, to those of the listed candidates. The
-// lines of a long triangle are set up in double, once for each list the triangle is in. So they are made only where the
-// frame, which is there already, does not show that the triangle is too far away. Where many triangles are as large as
-// the grid, it shows that of nearly all.
+// Measures the listed candidates from the blocks (bx, by + j, bz + k), j and k below kSide. The lines of a long
+// triangle are set up in double, once for each list with the triangle. So they are made only if its frame, which is
+// there already, does not show that the triangle is too far away. Where many triangles are as large as the grid, the
+// frame excludes nearly all.
 template <bool kNearest, int kSide, class Group>
 STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                    const Group* groups, const CandidateList& list, int bx, int by, int bz,
@@ -158,10 +158,10 @@ STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& bri
   state.samples_examined += std::int64_t{kLanes} * kCount * list.count;
 }
 
-// With more candidates than this a cell's blocks choose among them once more, each for itself. It decides time only.
+// With more candidates than this, each block of a cell culls them once more. It decides time only.
 constexpr int kManyCandidates = 40;
 
-// One cell, from the candidates of its tile.
+// Gathers one cell from the candidates of its tile.
 template <bool kNearest>
 STANDOFF_INLINE void gather_cell(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                  CandidateTable& table, const CellCorners& cell, const int (&at)[3],
@@ -206,15 +206,14 @@ void gather_tile_any(const BlockLattice& lattice, const Brick& brick, int tile, 
     gather_tile<false>(lattice, brick, tile, c, table, state);
 }
 
-// The kernel for cells of tiles with very many candidates, which are small against the spacing: their boxes are tested
-// before anything is known of the triangles, and only those that some block of the cell chooses (cell_candidates.inl)
-// are set up and measured.
+// The kernel for crowded cells, whose very many candidates are small compared with the spacing: first their boxes are
+// tested, then only the triangles that some block keeps (cell_candidates.inl) are set up and measured.
 
-// What the points of candidates, and the distances computed for them, may be off by beside the share of themselves that
-// block_limits() adds. Points are rounded to kBoxError of the grid, or, where they lie far outside, to a share of their
-// distance. Distances in a frame may be off by kFrameError of how far the triangle reaches from the brick's centre. Up
-// to kNear that is less than kSlack; beyond, a triangle that is not long is half as far from each sample, and the share
-// covers it. Long triangles are measured by lines, which do not lose more the longer they are.
+// The error of the candidates' points and distances, beside the share of themselves that block_limits() adds. Points
+// are rounded to kBoxError of the grid, or to a share of their distance if they lie far outside. The error of distances
+// in a frame is kFrameError of the triangle's farthest coordinate from the brick's centre. Up to kNear this is less
+// than kSlack. Beyond, a triangle that is not long is at least half as far from each sample, and the share covers the
+// error. Long triangles are measured by lines, whose error does not grow with their length.
 STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
   constexpr float kNear = 64;  // grid units
   static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
@@ -222,7 +221,7 @@ STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
   return cell.extent * kBoxError + kSlack;
 }
 
-// Lists for each block the candidates it chooses, numbered in the order of all that are chosen.
+// Lists the candidates of each block, numbered in the order of all that some block keeps.
 STANDOFF_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samples, const BlockLimits& limits,
                                     std::int64_t first, int count, CrowdedTable& table) {
   table.chosen_count = 0;

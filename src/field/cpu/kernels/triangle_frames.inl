@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all fragments of the field's kernels begin with: the wide types of the instruction set, the tolerances, and
-// sixteen triangles at a time, loaded from the mesh and set up as frames (geometry/triangle_frame.h).
+// The common part of the field's kernels: it loads sixteen triangles at a time from the mesh and sets them up as frames
+// (geometry/triangle_frame.h).
 //
-// Only always-inlined functions of other rooms may be called from kernels, and nothing of the standard library: a
-// function compiled for AVX-512 that the linker shares with the rest of the program would crash older processors
+// Kernels may call only always-inlined functions of other folders, and nothing of the standard library: the linker may
+// share a function compiled for AVX-512 with the rest of the program, which would crash older processors
 // (script/check_weak_symbols).
 #pragma once
 
@@ -46,7 +46,7 @@ STANDOFF_INLINE void load_corners(const BlockLattice& lattice, const Brick& bric
   }
 }
 
-// Loads the triangles refs[first], refs[first + 1], ...; past the end the last one again, which changes nothing.
+// Loads the triangles refs[first], refs[first + 1], ... Lanes past the end repeat the last one, which changes nothing.
 STANDOFF_INLINE void load_group(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
                                 std::int64_t first, Group& group) {
   alignas(64) CornerRows rows;
@@ -67,7 +67,7 @@ STANDOFF_INLINE std::uint32_t long_lanes(const Group& group) {
   return is_long(box_of(group.corner[0], group.corner[1], group.corner[2])).to_bits();
 }
 
-// Frames into lanes and out of them, number by number.
+// Store frames to lanes and load them, number by number.
 STANDOFF_INLINE void store_line(const Linear<WideFloat>& line, FrameLanes::Line& to) {
   line.g.x.store(to.gx);
   line.g.y.store(to.gy);
@@ -96,7 +96,7 @@ template <class F, class Read>
 STANDOFF_INLINE HalfTriangle<F> read_half(const FrameLanes::Half& half, Read read) {
   return {read(half.leg), read(half.length), read(half.nx), read(half.ny)};
 }
-// The frame whose numbers are what `read` makes of sixteen lanes.
+// The frame whose numbers `read` loads from sixteen lanes.
 template <class F, class Read>
 STANDOFF_INLINE TriangleFrame<F> read_frame(const FrameLanes& from, Read read) {
   return {read_line<F>(from.q, read), read_line<F>(from.y, read), read_line<F>(from.z, read),
@@ -108,7 +108,7 @@ STANDOFF_INLINE TriangleFrame<WideFloat> load_frames(const FrameLanes& from) {
   return read_frame<WideFloat>(
       from, [](const float(&lanes)[kLanes]) __attribute__((always_inline)) { return WideFloat::load(lanes); });
 }
-// One triangle's frame, in all lanes when F is wide.
+// One triangle's frame, in all lanes if F is wide.
 template <class F>
 STANDOFF_INLINE TriangleFrame<F> frame_of_lane(const FrameLanes& from, std::uint32_t lane) {
   return read_frame<F>(
