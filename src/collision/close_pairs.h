@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of triangles: ClosePairs finds those that bounding boxes and separating axes leave for exact tests, PairBatch
-// collects pairs and decides or measures eight at a time.
+// Pairs of triangles: ClosePairs finds the pairs that bounding boxes and separating axes cannot exclude, PairBatch
+// decides or measures eight of them at a time.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@ namespace standoff::collision {
 
 class ClosePairs {
  public:
-  /// Pairs farther from each other than `limit` are left out as far as boxes and the triangles' planes show it.
+  /// Excludes pairs that are farther apart than `limit`, if their boxes or planes show it.
   ClosePairs(const QueryPair& pair, float limit) : pair_(pair), kernels_(pair.kernels), limit_(limit) {}
 
   static constexpr std::uint32_t kAllLanes = (1u << kLanes) - 1;
 
-  /// Calls use(target index, probe index) for the triangles in some lanes of a packet, and those near them, until
-  /// it returns false. False when it did.
+  /// Calls use(target index, probe index) for each close pair of a triangle in some lanes of a probe's packet, until it
+  /// returns false. Returns false if it did.
   template <class Use>
   bool visit(std::uint32_t packet, std::uint32_t lanes, Use use) {
     if (front_level_ < 0) find_front();
@@ -43,7 +43,7 @@ class ClosePairs {
   }
 
  private:
-  // Nodes of the front, at most: a few registers of boxes.
+  // The most nodes of the front: a few registers of boxes.
   static constexpr int kFront = 4 * kLanes;
 
   void fetch_node(int level, std::uint32_t node) const {
@@ -51,8 +51,8 @@ class ClosePairs {
     if (level == 0) fetch(pair_.target.body->bvh.triangles[node]);
   }
 
-  // The nodes of the target's BVH that overlap the probe's box, at the deepest level with so few of them: traversal
-  // starts there and not at the root.
+  // Finds the nodes of the target's BVH that overlap the probe's box, at the deepest level with at most kFront of them:
+  // traversals start there and not at the root.
   void find_front() {
     const BodyBvh& bvh = pair_.target.body->bvh;
     const FloatBox region = pair_.region(limit_);
@@ -93,11 +93,11 @@ class ClosePairs {
     }
   }
 
-  // A node whose box the packet reaches.
+  // Visits a node whose box the packet reaches.
   template <class Use>
   bool enter(int level, std::uint32_t node, const FloatBox& box, Use& use) {
     if (level > 0) return descend(level, node, use);
-    // Which of the packet's triangles reach the leaf's box, before its sixteen triangles are looked at.
+    // Exclude the packet's triangles that do not reach the leaf's box.
     const std::uint32_t reaching = kernels_.overlapping(boxes_, box) & lanes_;
     return reaching == 0 || test_leaf(node, reaching, use);
   }
@@ -137,7 +137,7 @@ class ClosePairs {
   const QueryPair& pair_;
   const Kernels& kernels_;
   const float limit_;
-  // Nodes of one level and their boxes; no level before the first visit.
+  // The front: nodes of a level and their boxes. The level is -1 before the first visit.
   int front_level_ = -1, front_count_ = 0;
   std::uint32_t front_[kFront];
   Boxes16 front_boxes_[kFront / kLanes];
@@ -170,9 +170,9 @@ class PairBatch {
     ++count_;
   }
 
-  /// Decides the pairs in the order they were added, and calls use(target index, probe index, intersecting, where),
-  /// until it returns false. False when it did; no pair is left afterwards. `where()` gives the Penetration of those
-  /// that intersect.
+  /// Decides the pairs in the order in which they were added, and calls use(target index, probe index, intersecting,
+  /// where), until it returns false. Returns false if it did. Empties the batch. If the pair intersects, `where()`
+  /// returns its Penetration.
   template <class Use>
   bool settle(Use use) {
     PairOverlaps overlap;
@@ -193,8 +193,8 @@ class PairBatch {
     return true;
   }
 
-  /// Measures the pairs, which must not intersect, and calls use(target index, probe index, squared distance, point of
-  /// the target's triangle, point of the probe's).
+  /// Measures the pairs, which must not intersect, and calls use(target index, probe index, squared distance, closest
+  /// point of the target's triangle, closest point of the probe's triangle).
   template <class Use>
   void measure(Use use) {
     ClosestOfPairs found;
@@ -205,7 +205,7 @@ class PairBatch {
   }
 
  private:
-  // Runs a kernel on the pairs; returns how many they were.
+  // Runs a kernel on the pairs; returns their number.
   template <class Kernel, class Result>
   int take(Kernel kernel, Result& result) {
     if (count_ == 0) return 0;

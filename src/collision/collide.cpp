@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do two bodies intersect? By their fields alone, exactly on the CPU, and exactly on a device; then the public
-// functions.
+// Decides whether two bodies intersect: by their fields alone, exactly on the CPU, and exactly on a device. Then the
+// public functions.
 #include "collision/collide.h"
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace standoff {
 namespace collision {
 namespace {
 
-// compute()'s error within the band of the fine field, in its spacings, with room for rounding.
+// The error of compute() within the band of the fine field, in its spacings, with room for rounding.
 constexpr double kFineError = 3e-5;
 static_assert(kFineError > promised_error(kBandSamples, 1));
 
-// Decides from the field alone. Free: no sphere of a triangle reaches the surface. Hit, with a margin: a corner of a
-// triangle is nearer than it, for d(x) <= s + |x - x_i|. Without a margin, bounds of the distance cannot tell touching
-// from nearly touching: ambiguous.
+// Decides by the field alone. Free: no sphere of a triangle reaches the surface. Hit, with a margin: a corner of a
+// triangle is nearer than the margin, as d(x) <= s + |x - x_i|. Otherwise ambiguous: without a margin, bounds of the
+// distance cannot tell touching from nearly touching.
 class Certify {
  public:
   Certify(const QueryPair& pair, double margin)
@@ -53,7 +53,7 @@ class Certify {
     }
   }
 
-  // From the fine sample nearest to x; infinite where it is clamped.
+  // An upper bound of the distance, from the fine sample nearest to x; infinite if the sample is clamped.
   double upper_bound(Vec3 x) const {
     const FieldBounds& f = pair_.target.body->field;
     const FieldView& view = pair_.target.body->view;
@@ -65,7 +65,7 @@ class Certify {
     const double off = length(x - f.origin - Vec3{double(i), double(j), double(k)} * f.spacing);
     const int sample = fine_sample(view, tile_of(view, i, j, k), index_in_tile(i, j, k));
     if (sample == kClampedSample) return std::numeric_limits<double>::infinity();
-    // Samples were rounded down by a step and compute()'s error at the most.
+    // Samples were rounded down by at most a step and the error of compute().
     return (sample + 1) * f.thickness() / kClampedSample + kFineError * f.spacing + off + pair_.slack;
   }
 
@@ -76,12 +76,13 @@ class Certify {
   bool near_ = false, hit_ = false;
 };
 
-// How many packets are looked at before oriented boxes are asked, and how many pairs of nodes may be opened then.
-// Fitted on nested spheres, shells and plates, of which spheres take twenty times as long, and on pairs that are
+// Packets that are tested before oriented boxes are tried, and the most pairs of nodes that may be opened then. Fitted
+// on nested spheres, shells and plates, which take twenty times as long with spheres alone, and on pairs that are
 // decided at once; arbitrary within a factor of two.
 constexpr int kManyPackets = 16, kMostOpenings = 4096;
 
-// The probe's bounding spheres against the target's field, nearest first; triangles where the field cannot decide.
+// Tests the probe's bounding spheres in the target's field, the nearest first, and triangles where the field cannot
+// decide.
 class IntersectionSearch {
  public:
   IntersectionSearch(const QueryPair& pair, double margin)
@@ -100,11 +101,11 @@ class IntersectionSearch {
  private:
   bool visit(int level, std::uint32_t packet) {
     if (level == 0) {
-      // Where many packets reach the surface and none intersects it, the bodies may be nested or lie on each other:
-      // spheres are too round to tell that they do not touch.
+      // If many packets reach the surface and none intersects it, the bodies may be nested or lie on each other: spheres
+      // are too round to show that they do not touch.
       if (++packets_ == kManyPackets) apart_ = NodePairs(pair_).show_apart(margin_, kMostOpenings);
       if (apart_) return false;
-      // The packet reaches the surface: its triangles' boxes tell more than the field would.
+      // The packet reaches the surface: boxes of its triangles exclude more than the field would.
       const bool none =
           close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t target_index, std::uint32_t probe_index) {
             batch_.add(target_index, probe_index);
@@ -122,7 +123,7 @@ class IntersectionSearch {
     return false;
   }
 
-  // False when one of the pairs intersects.
+  // Decides the pairs of the batch; false if one of them intersects.
   bool settle() {
     return batch_.settle([this](std::uint32_t target_index, std::uint32_t probe_index, bool intersecting, auto&&) {
       bool hit = intersecting;
@@ -138,7 +139,7 @@ class IntersectionSearch {
   const QueryPair& pair_;
   const Kernels& kernels_;
   const double margin_;
-  const float limit_;  // spheres and boxes farther away than this are farther than the margin
+  const float limit_;  // if spheres or boxes are farther away than this, they are beyond the margin
   ClosePairs close_;
   PairBatch batch_;
   IntersectingPair found_{};
@@ -151,7 +152,7 @@ class IntersectionSearch {
 Verdict certify(const QueryPair& pair, double margin) { return Certify(pair, margin).run(); }
 
 std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin) {
-  // Bodies of one shape at one pose have the same first triangle.
+  // Two bodies of the same shape at the same pose are a frequent case: their first triangles coincide.
   if (pair.relative == Pose{} && triangles_intersect(pair.target.world(0), pair.probe.world(0)))
     return IntersectingPair{0, 0};
   return IntersectionSearch(pair, margin).run();
@@ -159,7 +160,7 @@ std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, do
 
 namespace {
 
-// collide() without its checks, on the CPU.
+// Does collide() on the CPU, without its checks.
 CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
                                 const Pose& pose_b, double margin, const Kernels& kernels) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
@@ -169,7 +170,7 @@ CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, con
   return {Verdict::hit, triangles.a, triangles.b};
 }
 
-// Poses that go to the device at a time: enough to fill any GPU, at some 150 bytes each.
+// The poses of a batch on the device: enough to fill any GPU, at some 150 bytes each.
 constexpr std::size_t kPosesAtOnce = std::size_t{1} << 18;
 
 struct PreparedPose {
@@ -190,14 +191,14 @@ CollisionResult result_of(const QueryPair& bodies, const PoseAnswer& answer) {
 
 }  // namespace
 
-// Poses go to the device in pieces, but those that a sphere and a box alone tell free. What it leaves undecided the CPU
-// decides.
+// Poses that a sphere and a box show to be free stay on the host. The others go to the device in batches, and the CPU
+// decides those that it leaves undecided.
 std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,
                                                const Execution& execution, BatchReport& report, int stack) {
   std::vector<CollisionResult> results(poses_b.size());
   const Kernels& kernels = kernels_for(execution.simd, "collide");
-  const QueryPair bodies(a, pose_a, b, {}, kernels);  // which of them gives its field does not depend on poses
+  const QueryPair bodies(a, pose_a, b, {}, kernels);  // which body is the target does not depend on poses
   for (std::size_t first = 0; first < poses_b.size(); first += kPosesAtOnce) {
     const auto poses = poses_b.subspan(first, std::min(kPosesAtOnce, poses_b.size() - first));
     const auto prepared = for_each<PreparedPose>(poses.size(), execution.threads, [&](std::size_t n) {
@@ -247,7 +248,7 @@ void check(const CollideOptions& options) {
     throw Error(ErrorCode::usage, "collide: containment is not for certified mode; take CollideMode::exact");
 }
 
-// A free result becomes a hit where one body is inside the other.
+// Turns a free result into a hit if one body is inside the other.
 CollisionResult with_containment(CollisionResult result, const CollisionModel& a, const Pose& pose_a,
                                  const CollisionModel& b, const Pose& pose_b) {
   if (result.hit()) return result;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of collide(): a verdict from the fields alone, the search for a pair of triangles that intersect, with
-// which other queries begin too, which body lies inside which, and batches of poses on a device.
+// The parts of collide(): the verdict of the fields alone, the search for a pair of triangles that intersect, which
+// other queries begin with too, the test of which body is inside the other, and batches of poses on a device.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace standoff::collision {
 
-/// What the target's distance field alone can decide: free, hit (only where the margin is positive) or ambiguous.
+/// The verdict of the target's distance field alone: free, hit (only if the margin is positive) or ambiguous.
 Verdict certify(const QueryPair& pair, double margin);
 
 /// Two triangles by their BVH indices.
@@ -22,19 +22,20 @@ struct IntersectingPair {
   std::uint32_t of_target, of_probe;
 };
 
-/// A pair of triangles that intersect or are within the margin; nothing where there is none.
+/// A pair of triangles that intersect or are within the margin; nothing if there is none.
 std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin);
 
-/// The side of a surface on which a point is.
+/// The side of a closed surface that a point is on.
 enum class Side { unknown, outside, inside };
 
-/// A known side is certain: a sample that is nearer to x than to the surface is on the same side, because the segment
-/// between the two does not cross the surface. Near the surface the side is unknown. `x` is relative to the body's
-/// middle; `slack` bounds what x, the surface and the samples' values are off by, together. Requires a closed body.
+/// Finds the side of a point from the fields; near the surface it is unknown. A known side is certain: if a sample is
+/// nearer to x than to the surface, it is on the same side, because the segment between the two does not cross the
+/// surface. `x` is relative to the body's middle; `slack` bounds the sum of the errors of x, the surface and the
+/// samples' values. Requires a closed body.
 Side side_of(const ModelData& body, Vec3 x, double slack);
 
-/// Whether points of the world are inside a closed body. Exact: the winding number is that of the body's surface with
-/// its corners in world coordinates, as the verdicts are.
+/// Tests whether points of the world are inside a closed body. The answer is exact for the body's surface with its
+/// corners rounded to world coordinates, the same surface that verdicts are about.
 class InsideTest {
  public:
   /// Requires a closed body, which must outlive the test.
@@ -44,7 +45,7 @@ class InsideTest {
   bool is_apart(const PlacedModel& other) const;
   /// Whether the winding number at a point of the world is positive. Requires a point that is not on the surface.
   bool is_inside(Vec3 point) const;
-  /// The same without the fields: by a ray.
+  /// The same by a ray, without the fields.
   bool is_inside_by_ray(Vec3 point) const { return winding(point, container_.body->bvh.top(), 0) > 0; }
 
  private:
@@ -52,9 +53,9 @@ class InsideTest {
   int winding(Vec3 point, int level, std::uint32_t packet) const;
 
   const PlacedModel& container_;
-  Vec3 middle_;          // of the container, in the world
-  double slack_;         // of points in the container's coordinates
-  double sphere_slack_;  // of its bounding spheres in the world
+  Vec3 middle_;          // the container's middle in the world
+  double slack_;         // error of points in the container's coordinates
+  double sphere_slack_;  // error of its bounding spheres in the world
 };
 
 /// Throws Error{input} unless at least one of the bodies is closed.
@@ -63,7 +64,7 @@ void require_closed(const CollisionModel& a, const CollisionModel& b);
 /// Requires surfaces that do not intersect.
 Containment containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
 
-/// Exact collide() for many poses at once. The device decides what it can, the CPU decides the others; `report` counts
+/// Exact collide() for many poses at once. The device decides most poses, the CPU decides the others; `report` counts
 /// both. Requires poses that collide_all() has checked.
 std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
                                                const CollisionModel& b, std::span<const Pose> poses_b, double margin,

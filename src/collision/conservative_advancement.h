@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Relative rigid motion of the probe in the target's frame, and the steps and bounds of conservative advancement along
-// it: plain numbers, shared by the CPU and GPUs (docs/sweep.md proves the bounds). This work is based on: Mirtich,
-// Impulse-based Dynamic Simulation of Rigid Body Systems (1996); Tang, Kim, Manocha, C2A: Controlled Conservative
-// Advancement for Continuous Collision Detection of Polygonal Models (2009).
+// The rigid motion of the probe in the target's frame, and the steps and bounds of conservative advancement along it.
+// The CPU and GPUs share this code (docs/sweep.md proves the bounds). This work is based on: Mirtich, Impulse-based
+// Dynamic Simulation of Rigid Body Systems (1996); Tang, Kim, Manocha, C2A: Controlled Conservative Advancement for
+// Continuous Collision Detection of Polygonal Models (2009).
 //
-// A bounding sphere (c, r) whose centre is at distance L or more from the surface at time t is free until
-// t + (L - r - keep) / speed, where no time's speed of its centre exceeds `speed`: distance is 1-Lipschitz, and a
-// sphere that turns about its own centre stays where it is. A child sphere may start at the time up to which its parent
-// is free: the triangles in it are in the parent too.
+// Let a bounding sphere (c, r) have its centre at distance L or more from the surface at time t, and let `speed` bound
+// the speed of the centre at all times. Then the sphere is free until t + (L - r - keep) / speed: distance is
+// 1-Lipschitz, and rotation about its own centre does not move a sphere. A child sphere may start at the time up to
+// which its parent is free: its triangles are in the parent too.
 #pragma once
 
 #include "collision/body/kernel_data.h"
@@ -17,7 +17,7 @@
 
 namespace standoff::collision {
 
-/// v turned about a unit axis (Rodrigues' formula).
+/// Rotates v about a unit axis (Rodrigues' formula).
 STANDOFF_INLINE Triple<double> rotated(const Triple<double>& v, const Triple<double>& axis, double cosine,
                                        double sine) {
   return v * cosine + plain_cross(axis, v) * sine + axis * (plain_dot(axis, v) * (1 - cosine));
@@ -25,13 +25,13 @@ STANDOFF_INLINE Triple<double> rotated(const Triple<double>& v, const Triple<dou
 STANDOFF_INLINE double length(const Triple<double>& v) { return sqrt(plain_dot(v, v)); }
 
 /// The motion of points of the probe in the frame of the target, relative to the models' middles. A point is given by
-/// its offset from a base point at time 0. Where the probe moves, x(t) = base + V t + rotation(+angle t) offset; where
-/// the target moves, x(t) = base + rotation(-angle t) (offset - V t).
+/// its offset from a base point at time 0. If the probe moves, x(t) = base + V t + rotation(+angle t) offset; if the
+/// target moves, x(t) = base + rotation(-angle t) (offset - V t).
 struct RelativeMotion {
   bool target_moves;
   Triple<double> base, velocity, axis;
-  double angle_rad;       ///< during the whole time; negative where the target moves
-  double speed_of_base;   ///< the velocity's length
+  double angle_rad;       ///< of the whole motion; negative if the target moves
+  double speed_of_base;   ///< the length of the velocity
   DoubleTransform start;  ///< from the probe's coordinates to offsets
 
   STANDOFF_INLINE Triple<double> offset(const Triple<double>& point) const { return transformed(start, point); }
@@ -41,8 +41,8 @@ struct RelativeMotion {
     const Triple<double> there = angle == 0 ? from : rotated(from, axis, __builtin_cos(angle), __builtin_sin(angle));
     return target_moves ? base + there : base + velocity * t + there;
   }
-  /// The largest distance of a point from the axis of rotation. That axis moves on a straight line, so it is reached at
-  /// one end. The axis may be longer than it should be by what rotations may be off.
+  /// The largest distance of a point from the axis of rotation at any time. The axis moves along a straight line, so
+  /// the largest distance is at one end. Accounts for the rounding error of the axis' length.
   STANDOFF_INLINE double from_axis(const Triple<double>& offset) const {
     if (angle_rad == 0) return 0;
     const double at_start = length(plain_cross(axis, offset));
@@ -65,8 +65,8 @@ struct MovingSphere {
   Triple<double> offset;  ///< of its centre: RelativeMotion
   double speed, time;
 
-  /// Takes the step that `gap`, a lower bound of the distance, allows, and leaves `keep` of it. True where the sphere
-  /// has not reached `end` and the step was longer than `worthwhile`: another one pays.
+  /// Takes the step that `gap`, a lower bound of the distance, allows, and leaves `keep` of the distance. True if
+  /// another step pays: the sphere has not reached `end`, and the step was longer than `worthwhile`.
   STANDOFF_INLINE bool step(float gap, float keep, double end, float worthwhile) {
     const float distance = gap * kRoundDown - keep;
     const double before = time;
@@ -75,8 +75,7 @@ struct MovingSphere {
   }
 };
 
-/// The time until which a sphere stays free by the field, or somewhat less: it is advanced until its steps are no
-/// longer worthwhile.
+/// Advances a sphere by the field until its steps are no longer worthwhile; returns a time until which it stays free.
 STANDOFF_INLINE double advanced(MovingSphere sphere, float radius, const RelativeMotion& motion, const FieldView& field,
                                 float keep, double end, float worthwhile) {
   for (bool goes_on = true; goes_on;) {
@@ -106,18 +105,18 @@ STANDOFF_INLINE MovingTriangle moving_triangle(const RelativeMotion& motion, con
   return t;
 }
 
-/// The time until which a triangle that has stopped at `t` is tested against the target's triangles at once.
+/// The end of the interval in which a triangle that stopped at `t` is tested against the target's triangles.
 STANDOFF_INLINE double look_ahead(double t, double speed, double spacing) {
   return speed > 0 ? t + kLookAhead * spacing / speed : kNever;
 }
 
-/// How far a path leaves its chord at the most in a time: acceleration * dt^2 / 8.
+/// An upper bound of the distance of a path from its chord: acceleration * dt^2 / 8.
 STANDOFF_INLINE float chord_deviation(double acceleration, double duration) {
   return static_cast<float>(acceleration * duration * duration / 8) * kRoundUp;
 }
 
-/// The box that a triangle sweeps between two times, grown by `by`: that of its corners at both, grown by how far their
-/// paths leave the chords.
+/// A box around the triangle between two times, grown by `by`: the box of its corners at both times, grown by the
+/// deviation of their paths from the chords.
 STANDOFF_INLINE void swept_bounds(const RelativeMotion& motion, const MovingTriangle& triangle, double t, double until,
                                   float by, float (&low)[3], float (&high)[3]) {
   const float grown = by + chord_deviation(triangle.acceleration, until - t);
@@ -130,8 +129,8 @@ STANDOFF_INLINE void swept_bounds(const RelativeMotion& motion, const MovingTria
   for (int axis = 0; axis < 3; ++axis) low[axis] -= grown, high[axis] += grown;
 }
 
-/// An upper bound of the speed along the unit vector `normal` that a rotation of `rate` about the unit vector `axis`
-/// gives to points within `radius` of the axis.
+/// An upper bound of the speed along the unit vector `normal` of points within `radius` of the unit vector `axis` that
+/// rotate about it at `rate`.
 STANDOFF_INLINE double rotation_speed_along(const Triple<double>& normal, const Triple<double>& axis, double rate,
                                             double radius) {
   return rate == 0 ? 0 : length(plain_cross(normal, axis)) * rate * radius;

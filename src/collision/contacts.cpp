@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where do two surfaces intersect? The probe's packets come in an order that is spread over the contact area; their
-// candidate pairs are decided in turns, one of each packet after the other, until there are enough.
+// Finds contacts of two surfaces. The probe's packets are visited in an order that spreads over the contact area; their
+// candidate pairs are decided round-robin, one of each packet after the other, until there are enough contacts.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,17 +17,17 @@ namespace standoff {
 namespace collision {
 namespace {
 
-// Packets whose pairs take turns: more would spread the contacts better, but each has to be looked up.
+// The packets of a round-robin. More would spread the contacts better, but each costs a traversal.
 constexpr std::size_t kTakeTurns = 24;
 
-// Nodes from which the walk begins, at least: in a BVH with so few of them all packets are found at once, which
-// costs less for each.
+// The walk begins from at least this many nodes: in a BVH with so few, all packets are found at once, which costs less
+// for each.
 constexpr std::size_t kRoots = 2 * kLanes;
 
-// Closest points nearer than this, in terms of the pair's extent, differ by little more than rounding.
+// Closest points nearer than this share of the pair's extent differ by little more than rounding.
 constexpr double kDirectionTold = 1e6 * kDistanceRounding;
 
-// Packets asked for from memory before they are looked up.
+// Packets are prefetched this many steps ahead.
 constexpr std::size_t kAhead = 2;
 
 // Visits the probe's packets of triangles that may reach the target's surface in bit-reversed, round-robin order, so
@@ -35,8 +35,8 @@ constexpr std::size_t kAhead = 2;
 // is visited than is asked for.
 class StratifiedTraversal {
  public:
-  /// Packets farther than `limit` are left out as far as their spheres show it. At least `breadth` nodes take turns,
-  /// where there are as many.
+  /// Excludes packets farther than `limit`, if their spheres show it. At least `breadth` nodes take turns, if there are
+  /// that many.
   StratifiedTraversal(const QueryPair& pair, float limit, std::size_t breadth)
       : pair_(pair), kernels_(pair.kernels), limit_(limit) {
     int level = pair.probe.body->bvh.top();
@@ -56,11 +56,11 @@ class StratifiedTraversal {
     all_ = bit_reversed(front, level);
   }
 
-  /// The next packet of the lowest level; none when all have been given.
+  /// The next packet of the lowest level; nothing at the end.
   std::optional<std::uint32_t> next() { return next(all_); }
 
  private:
-  // Nodes that stand together in nodes_, and whose turn it is.
+  // A range of nodes_, and the node whose turn it is.
   struct RoundRobin {
     std::uint32_t first = 0, count = 0, now = 0;
   };
@@ -81,7 +81,7 @@ class StratifiedTraversal {
         return packet;
       }
       if (!nodes_[at].open) open(at);
-      RoundRobin branches = nodes_[at].branches;  // nodes_ may move
+      RoundRobin branches = nodes_[at].branches;  // a copy, as nodes_ may grow and move
       const auto packet = next(branches);
       nodes_[at].branches = branches;
       if (packet) {
@@ -93,7 +93,7 @@ class StratifiedTraversal {
     return {};
   }
 
-  // The one whose turn it is has nothing more to give.
+  // Removes the node whose turn it is: it has no more packets.
   void remove_current(RoundRobin& turns) {
     --turns.count;
     if (turns.now == 0)
@@ -127,15 +127,14 @@ class StratifiedTraversal {
     return branches;
   }
 
-  // Nodes in the order of their numbers with the bits rotated around: each falls into the largest gap the ones before
-  // it have left.
+  // Orders nodes by their numbers with reversed bits: each falls into the largest gap that the ones before it left.
   RoundRobin bit_reversed(std::span<const std::uint32_t> packets, int level) {
     const auto count = static_cast<std::uint32_t>(packets.size()), end = std::bit_ceil(count);
     const RoundRobin turns{static_cast<std::uint32_t>(nodes_.size()), count};
     std::uint32_t at = 0;
     for (std::uint32_t number = 0; number < end; ++number) {
       if (at < count) nodes_.push_back({packets[at], static_cast<std::int16_t>(level), false, {}});
-      std::uint32_t bit = end / 2;  // one is added from the other end
+      std::uint32_t bit = end / 2;  // increment the reversed number
       for (; (at & bit) != 0; bit /= 2) at ^= bit;
       at |= bit;
     }
@@ -149,8 +148,8 @@ class StratifiedTraversal {
   RoundRobin all_;
 };
 
-// Of triangles that do not intersect: their closest points, whose direction is one of rounding where they are very
-// near.
+// The contact of triangles that do not intersect, at their closest points. If these are very near, rounding decides the
+// direction between them.
 Penetration between(const Corners& p, const Corners& q, const ClosestPair& pair) {
   const double apart = std::sqrt(pair.distance_sq);
   const bool has_direction = apart > kDirectionTold * extent_of(p, q);
@@ -185,9 +184,9 @@ class ContactSearch {
   // About every second candidate turns out to intersect.
   bool plenty() const { return candidates_.size() / 2 > most_ - result_.contacts.size(); }
 
-  // Packets come here because they reach the surface: asking the field for each triangle would cost more than it saves.
-  // Once there are plenty of candidates, packets only add those of some triangles, for the sake of spread. False when
-  // there is nothing left to look up.
+  // Adds the candidates of some packets; false if none is left. The packets reach the surface, so testing each triangle
+  // in the field would cost more than it saves. Once there are plenty of candidates, a packet only adds those of some
+  // triangles, for the sake of spread.
   bool look_up_some() {
     candidates_.clear();
     ends_.clear();
@@ -210,7 +209,7 @@ class ContactSearch {
     return looked_up_ > before;
   }
 
-  // Asks the memory for the next packet. False when there is none.
+  // Prefetches the next packet; false if there is none.
   bool prefetch_next() {
     const auto packet = traversal_.next();
     if (packet) fetch(pair_.probe.body->bvh.triangles[packets_.emplace_back(*packet)]);
@@ -228,7 +227,7 @@ class ContactSearch {
     if (candidates_.size() > before) ends_.push_back(candidates_.size());
   }
 
-  // False when there are more contacts than wanted.
+  // Decides candidates round-robin; false if there are more contacts than wanted.
   bool decide_in_turns() {
     if (result_.contacts.empty()) result_.contacts.reserve(std::min(most_, candidates_.size()));
     for (std::size_t turn = 0, left = ends_.size(); left > 0; ++turn) {
@@ -255,7 +254,7 @@ class ContactSearch {
     });
   }
 
-  // False when as many as are wanted were found before.
+  // Adds a contact; false if enough were found before.
   bool add(std::uint32_t target_index, std::uint32_t probe_index, const Penetration& found) {
     if (result_.contacts.size() == most_) {
       result_.overflow = true;
@@ -271,15 +270,15 @@ class ContactSearch {
   const double margin_;
   const float limit_;
   const std::size_t most_;
-  const std::uint32_t some_;  // lanes of a packet, each with a few candidates where bodies lie on each other
+  const std::uint32_t some_;  // some lanes of a packet; each has a few candidates if bodies lie on each other
   StratifiedTraversal traversal_;
-  std::vector<std::uint32_t> packets_;  // in the order of the walk
+  std::vector<std::uint32_t> packets_;  // packets in the order of the walk
   std::size_t next_ = 0, looked_up_ = 0;
-  std::vector<std::uint32_t> cut_short_;  // packets of which only some_ were looked at
+  std::vector<std::uint32_t> cut_short_;  // packets of which only the lanes some_ were visited
   ClosePairs close_;
   PairBatch batch_;
-  std::vector<Candidate> candidates_;  // of some packets, one packet after the other
-  std::vector<std::size_t> ends_;      // where each packet's candidates end
+  std::vector<Candidate> candidates_;  // packet by packet
+  std::vector<std::size_t> ends_;      // the end of each packet's candidates
   ContactResult result_;
 };
 

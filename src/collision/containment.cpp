@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which points and which bodies are inside a closed body?
+// Decides which points and which bodies are inside a closed body.
 //
-// The field decides away from the surface. Near it a ray does, from the point along +x in the world: the winding number
-// is the sum of its crossings, each of them exact (src/sign/rows/ray_crossing.h).
+// Away from the surface, the field decides. Near it, a ray decides, from the point along +x in the world: the winding
+// number is the sum of its crossings, each of which is exact (src/sign/rows/ray_crossing.h).
 //
-// A connected component of one surface that does not intersect the other surface lies on one side of it: a single
-// corner tells which. If no component lies inside the other solid, the solids have no point in common: the boundary of
-// what they share would be a part of both surfaces' components, and lie inside or on the other solid.
+// If surfaces do not intersect, a connected component of one lies on one side of the other: a single corner decides
+// which. If no component lies inside the other solid, the solids have no point in common: otherwise the boundary of
+// their intersection would belong to components of both surfaces, and lie inside or on the other solid.
 #include <algorithm>
 #include <cmath>
 
@@ -44,8 +44,8 @@ Side side_of_coarse(const FieldBounds& field, std::int64_t i, std::int64_t j, st
   return side_of_bit(field.coarse_inside, coarse_sample(field, i, j, k));
 }
 
-// A tile that is not stored is farther than the band from the surface, and the nearest coarse sample, at most two
-// spacings away along each axis, is nearer than that.
+// A tile that is not stored is farther from the surface than the band's half-width, and the nearest coarse sample, at
+// most two spacings away along each axis, is nearer than that.
 static_assert(kCoarseStep * kCoarseStep * 3 < 4 * kBandSamples * kBandSamples);
 Side side_of_fine(const FieldBounds& field, std::int32_t i, std::int32_t j, std::int32_t k, std::int32_t slot) {
   constexpr std::int32_t kHalf = kCoarseStep / 2;
@@ -77,7 +77,7 @@ namespace {
 
 static_assert(4 * kSinglePrecisionSlack > (3 * 1.8 + 1) * gamma_float(8));
 
-// A bound of the coordinates that placing a body goes through.
+// A bound of the coordinates in the transform of a body.
 double far(const PlacedModel& placed) {
   return max_norm(placed.pose.translation) + max_norm(placed.body->middle) + placed.body->radius;
 }
@@ -88,8 +88,8 @@ InsideTest::InsideTest(const PlacedModel& container)
     : container_(container), middle_(apply(container.pose, container.body->middle)) {
   const ModelData& body = *container.body;
   slack_ = kInverseSlack * (body.radius + body.field.thickness()) + kDoublePrecisionSlack * far(container);
-  // The spheres hold corners that were rounded to single precision, and are placed in it: 8 operations on numbers no
-  // larger than three radii.
+  // The spheres hold corners that were rounded to single precision, and placing them takes 8 operations in it, on
+  // numbers no larger than three radii.
   sphere_slack_ = 4 * kSinglePrecisionSlack * body.radius + kDoublePrecisionSlack * far(container);
 }
 
@@ -108,8 +108,8 @@ bool InsideTest::is_inside(Vec3 point) const {
 int InsideTest::winding(Vec3 point, int level, std::uint32_t packet) const {
   const ModelData& body = *container_.body;
   const Sphere16& spheres = body.bvh.spheres[static_cast<std::size_t>(level)][packet];
-  // The pose maps a sphere into one that is hardly larger, around the image of its centre. Nothing reaches an empty
-  // one: its radius is minus infinity. Without branches, so that compilers take several lanes at a time.
+  // The pose maps a sphere into one that is hardly larger, around the image of its centre. The radius of an empty
+  // sphere is minus infinity, so no point reaches it. The loop has no branches, so that compilers vectorise it.
   float r[9];
   std::ranges::transform(container_.pose.rotation, r, [](double entry) { return static_cast<float>(entry); });
   const Vec3 offset = middle_ - point;
@@ -140,7 +140,7 @@ int InsideTest::winding(Vec3 point, int level, std::uint32_t packet) const {
 
 namespace {
 
-// How much of a surface is inside.
+// The share of a surface that is inside.
 struct Share {
   bool some = false, all = false;
 };

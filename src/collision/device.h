@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between batches of queries and the devices that answer them: what goes to a device and comes back, the table
-// of devices, and the functions that answer a batch on CUDA and on its emulation.
+// The seam between batches of queries and the devices that answer them: jobs and answers, the table of devices, and the
+// functions that answer a batch on CUDA and on its emulation.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +13,44 @@
 
 namespace standoff::collision {
 
-/// A pose of b. Bounds are the CPU's: QueryPair makes them on the host.
+/// A pose of b. QueryPair computes its bounds on the host, so they equal the CPU's.
 struct PoseQuery {
   DoubleTransform of_b;      ///< b in the world
   FloatTransform transform;  ///< from the probe's coordinates to the target's, both relative to their middles
-  float limit;               ///< spheres and boxes farther apart than this are farther than the margin
+  float limit;  ///< if spheres or boxes are farther apart than this, so are their triangles than the margin
 };
 
 enum class DeviceVerdict : std::uint32_t {
   free,
   hit,
-  undecided,  ///< rounding may hide an intersecting pair, and no other pair intersects for certain
+  undecided,  ///< rounding may hide an intersecting pair, and no pair intersects for certain
   overflow,   ///< the stack of nodes is too short
 };
 
 struct PoseAnswer {
   DeviceVerdict verdict;
-  std::uint32_t of_target, of_probe;  ///< BVH indices of two triangles that intersect, where there is a hit
+  std::uint32_t of_target, of_probe;  ///< for a hit: the BVH indices of two triangles that intersect
 };
 
 /// The largest stack of nodes that devices have, for each of the two BVHs.
 inline constexpr int kDeviceStack = 256;
 
-/// Poses to be decided. A verdict of free or hit is that of the CPU.
+/// Poses to be decided. A verdict of free or hit equals the CPU's.
 struct CollideJob {
   const ModelData &target, &probe;
   bool target_is_b;      ///< else it is a
   DoubleTransform of_a;  ///< a in the world
   double margin;
   std::span<const PoseQuery> queries;
-  std::span<PoseAnswer> answers;  ///< as many
+  std::span<PoseAnswer> answers;  ///< one per query
   int device;
-  int stack = kDeviceStack;  ///< nodes on it at most; tests take fewer, to see it overflow
+  int stack = kDeviceStack;  ///< the most nodes on the stack; tests take fewer to make it overflow
 };
 
 /// A motion of b.
 struct SweepQuery {
   RelativeMotion motion;
-  float keep;  ///< distance left after every step
+  float keep;  ///< the distance left after every step
 };
 
 struct SweepAnswer {
@@ -60,12 +60,12 @@ struct SweepAnswer {
 struct SweepJob {
   const ModelData &target, &probe;
   std::span<const SweepQuery> queries;
-  std::span<SweepAnswer> answers;  ///< as many
+  std::span<SweepAnswer> answers;  ///< one per query
   int device;
   int stack = kDeviceStack;
 };
 
-/// One kind of device. They stand in the table in src/backends/collision.cpp.
+/// A row of the table of devices (src/backends/collision.cpp).
 struct DeviceRow {
   Backend backend;
   const char* name;
@@ -75,17 +75,17 @@ struct DeviceRow {
   void (*sweep)(const SweepJob&);
 };
 
-/// The row for a batch of `count` queries; null for the CPU. Throws Error{device} where there is no such device.
+/// The row for a batch of `count` queries; null for the CPU. Throws Error{device} if there is no such device.
 const DeviceRow* find_device(Backend backend, std::size_t count);
 
 }  // namespace standoff::collision
 
-namespace standoff::cuda {  // what answers on CUDA: src/collision/cuda
+namespace standoff::cuda {  // src/collision/cuda
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
 }  // namespace standoff::cuda
 
-namespace standoff::emulated {  // the same, emulated on the CPU
+namespace standoff::emulated {  // the same on the emulated GPU
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
 }  // namespace standoff::emulated

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart are two surfaces?
+// Finds the distance of two surfaces.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace standoff {
 namespace collision {
 namespace {
 
-// Pairs measured before it is tried to prove that none is nearer, which looks at all corners of both bodies.
+// Pairs that are measured before a proof is tried that none is nearer, which visits all corners of both bodies.
 constexpr std::int64_t kWorthAProof = 4096;
 
 // Both hierarchies are descended together, the pair of nodes that may be nearest first.
@@ -58,12 +58,12 @@ class DistanceSearch {
   double best() const { return best_; }
   bool found() const { return found_; }
   Vec3 on_target, on_probe;                   ///< the closest points
-  std::uint32_t of_target = 0, of_probe = 0;  ///< indices in the BVHs' orders
+  std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
 
  private:
   static constexpr int kDescents = 2;
 
-  // Bounds above this cannot hide a pair that is nearer than the best one by more than the tolerance.
+  // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance.
   void lower_reach() {
     const double radii = pair_.target.body->radius + pair_.probe.body->radius;
     wanted_ = std::min((best_ - tolerance_) * (1 + kFarShare), kMaxMargin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places the two bodies of a query in one frame, and bounds what rounding does to them there.
+// Places the two bodies of a query in one frame, and bounds the rounding errors there.
 #include "collision/query_pair.h"
 
 #include <cmath>
@@ -7,7 +7,7 @@
 namespace standoff::collision {
 namespace {
 
-// How far a pose's matrix is from a rotation, as validate() measures it.
+// The error of a pose's matrix as a rotation, as validate() measures it.
 double rigid_error(const Pose& pose) {
   const auto& r = pose.rotation;
   const Vec3 rows[3] = {{r[0], r[1], r[2]}, {r[3], r[4], r[5]}, {r[6], r[7], r[8]}};
@@ -17,7 +17,7 @@ double rigid_error(const Pose& pose) {
   return off;
 }
 
-// The pose with a rotation to rounding, by making its rows perpendicular to one another.
+// The pose with its matrix made orthonormal, up to rounding.
 Pose orthonormal(Pose pose) {
   auto& r = pose.rotation;
   const Vec3 first{r[0], r[1], r[2]}, second{r[3], r[4], r[5]};
@@ -36,7 +36,7 @@ QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const Collisio
       swapped(probe.body->box.longest_side() > target.body->box.longest_side()),
       kernels(with_kernels) {
   if (swapped) std::swap(target, probe);
-  // relative = frame^-1 (the probe's pose), between coordinates relative to where the middles are in the world.
+  // relative = frame^-1 (the probe's pose), for coordinates relative to the middles.
   const Pose &f = target.pose, &t = probe.pose;
   const double off = rigid_error(f);
   frame = off > kOrthonormal ? orthonormal(f) : f;
@@ -53,9 +53,9 @@ QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const Collisio
   transform.translation[0] = static_cast<float>(d.x);
   transform.translation[1] = static_cast<float>(d.y);
   transform.translation[2] = static_cast<float>(d.z);
-  // The slack covers: in single precision, transforming a sphere (four roundings of numbers no larger than `reach`),
-  // sampling and subtracting (about ten more), and the middles' rounding; matrices that are rotations only nearly; and
-  // in double precision, coordinates far from the world's origin.
+  // The slack covers three errors. In single precision: transforming a sphere (four roundings of numbers no larger than
+  // `reach`), sampling and subtracting (about ten more), and the rounding of the middles. Matrices that are only nearly
+  // rotations. In double precision: coordinates far from the world's origin.
   const double reach = target.body->radius + 2 * probe.body->radius + target.body->field.thickness();
   far = max_norm(f.translation) + max_norm(t.translation) + max_norm(target.body->middle) +
         max_norm(probe.body->middle) + target.body->radius + probe.body->radius;
@@ -78,7 +78,7 @@ FloatBox QueryPair::region(float by) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double* r = &relative.rotation[3 * axis];
     const double reach = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
-    // Beyond `by`, what it holds may be placed off by the slack.
+    // The slack covers the error of the placement.
     box.low[axis] = static_cast<float>(at[axis] - reach) - by - slack;
     box.high[axis] = static_cast<float>(at[axis] + reach) + by + slack;
   }

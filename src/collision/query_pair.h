@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two bodies of a query, the target's distance field being sampled by the probe's bounding spheres; and the same
-// query many times, spread over threads.
+// The two bodies of a query: the probe's bounding spheres sample the target's distance field. And a loop that spreads
+// many queries over threads.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -20,7 +20,7 @@
 
 namespace standoff::collision {
 
-/// A pose as kernels take it.
+/// A pose in the form of the kernels.
 inline DoubleTransform transform_of(const Pose& pose) {
   DoubleTransform transform;
   for (int n = 0; n < 9; ++n) transform.rotation[n] = pose.rotation[n];
@@ -37,7 +37,7 @@ struct PlacedModel {
   bool moved;  ///< the pose is not the identity
 
   PlacedModel(const ModelData& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
-  /// The corners in the world of a triangle, by its index in the BVH: all exact answers are about these.
+  /// The corners of a triangle in the world, by its index in the BVH. All exact answers are about these corners.
   Corners world(std::uint32_t index) const {
     const Corners& c = body->corners[index];
     if (!moved) return c;
@@ -45,29 +45,28 @@ struct PlacedModel {
   }
 };
 
-/// A triangle of body a and one of body b, as their meshes number them.
+/// A triangle of body a and one of body b, by their indices in the meshes.
 struct TrianglesOfBoth {
   std::uint32_t a, b;
 };
 
-/// The target is the larger body. `transform` and `relative` take coordinates of the probe to those of the target, both
-/// relative to the models' middles.
+/// The target is the larger body. `transform` and `relative` take coordinates of the probe to coordinates of the
+/// target, both relative to the models' middles.
 struct QueryPair {
   PlacedModel target, probe;
-  bool swapped;  ///< a is the probe
-  /// The target's pose with an orthonormal rotation. Errors of a pose's matrix then count over the size of the body,
-  /// not over its distance from the other one.
+  bool swapped;  ///< whether a is the probe
+  /// The target's pose with an orthonormal rotation. So errors of the pose's matrix grow with the size of the body, not
+  /// with its distance from the other one.
   Pose frame;
   Pose relative;
   FloatTransform transform;
-  /// A bound of the coordinates that transforming both bodies to the world goes through.
+  /// A bound of the coordinates in the transforms of both bodies to the world.
   double far;
-  /// How much bounds in single precision, in the target's frame, may be wrong about the world: docs/collision.md.
+  /// The error of bounds in single precision in the target's frame, compared with the world: docs/collision.md.
   float slack;
-  /// What of it does not come from single precision: poses that are rigid only nearly, and the double precision of the
-  /// world.
+  /// The part of it that does not come from single precision: poses that are only nearly rigid, and the double precision
+  /// of the world.
   double pose_slack;
-  /// The inner loops that answer the query.
   const Kernels& kernels;
 
   QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
@@ -81,9 +80,9 @@ struct QueryPair {
 
   /// A lower bound of the distance: from the probe's bounding sphere to the target's box.
   double root_gap() const;
-  /// Spheres and boxes farther apart than this are farther apart than the margin.
+  /// If spheres or boxes are farther apart than this in single precision, they are farther apart than the margin.
   float limit(double margin) const { return static_cast<float>(margin) * kRoundUp + slack; }
-  /// root_gap() shows that the bodies are farther apart than the margin.
+  /// Whether root_gap() shows that the bodies are farther apart than the margin.
   bool apart(double margin) const { return root_gap() > margin + slack; }
   /// The probe's box in the target's frame, grown by `by`.
   FloatBox region(float by) const;
@@ -91,7 +90,7 @@ struct QueryPair {
   FloatBox box_of(std::uint32_t probe_index) const;
 };
 
-/// The lanes whose gap is at most `limit`, the nearest first. Returns how many.
+/// Writes the lanes whose gap is at most `limit`, the nearest first; returns their number.
 inline int lanes_within(const float (&gap)[kLanes], float limit, int (&lanes)[kLanes]) {
   int count = 0;
   for (int n = 0; n < kLanes; ++n)
@@ -109,7 +108,7 @@ inline void validate_all(std::span<const Pose> poses) {
     }
 }
 
-/// The results of query(0) to query(count - 1), in this order. Queries are handed out in small groups: some take a
+/// The results of query(0) to query(count - 1), in this order. Threads take queries in small groups, as some take a
 /// thousand times as long as others.
 template <class Result, class Query>
 std::vector<Result> for_each(std::size_t count, int threads, Query query) {

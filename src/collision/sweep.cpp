@@ -276,7 +276,7 @@ Pose pose_at(const RigidMotion& motion, double t) try {
 
 double automatic_tolerance(const CollisionModel& a, const CollisionModel& b) {
   const auto [smaller, larger] = std::minmax({a.bounds().longest_side(), b.bounds().longest_side()});
-  // Two points have no size: only what rounding leaves counts.
+  // Two points have no size: take the least tolerance that rounding allows.
   return std::max({collision::kSweepTolerance * smaller, collision::kLeastSweepTolerance * larger, 1e-100});
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of sweep(): rigid motions in the world and as the target of a pair sees the probe move, how far rounding
-// keeps bodies in motion apart, the search for the first contact, and batches of motions on a device.
+// The parts of sweep(): rigid motions in the world and in the frame of a pair's target, bounds of their rounding, the
+// search for the first contact, and batches of motions on a device.
 #pragma once
 
 #include <span>
@@ -19,11 +19,11 @@ struct AxisAngle {
   double angle_rad = 0;
 };
 
-/// A RigidMotion with its axis and angle.
+/// A RigidMotion, with its rotation as axis and angle.
 struct AxisAngleMotion {
   RigidMotion poses;
   AxisAngle rotation;     ///< from `from` to `to`, in the world
-  Vec3 center, velocity;  ///< in the world: the point that the body turns about at time 0, and its velocity
+  Vec3 center, velocity;  ///< in the world: the point that the body rotates about at time 0, and its velocity
 
   explicit AxisAngleMotion(const RigidMotion& motion);
   Pose at(double t) const;
@@ -32,14 +32,14 @@ struct AxisAngleMotion {
 /// The motion of the pair's probe in the frame of its target.
 RelativeMotion relative_motion(const QueryPair& pair, const AxisAngleMotion& path);
 
-/// Poses and corners on a motion are rounded: bodies jump by as much from one time to the next.
+/// An upper bound of the jump of a body from one time to the next: poses and corners on a motion are rounded.
 double pose_rounding(const QueryPair& pair, const AxisAngleMotion& path);
 
 /// The distance that bounding spheres leave between themselves and the surface after every step.
 float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
-/// Advances the probe's BVH through the target's distance field: the first contact of a motion, on which the bodies are
-/// kept half of `tolerance` apart; free where there is none.
+/// Finds the first contact of a motion, or free, by advancing the probe's BVH through the target's distance field. The
+/// bodies are kept half of `tolerance` apart.
 SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conservative advancement on the CPU: of one pair of triangles, in the world and in double precision, and of the
-// probe's BVH through the target's distance field.
+// Conservative advancement on the CPU: for a pair of triangles, in the world and in double precision; and for the
+// probe's BVH in the target's distance field.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,8 +12,9 @@
 namespace standoff::collision {
 namespace {
 
-// Finds when a triangle in motion comes within the tolerance of a resting one. Between the two lies a slab (slab.h),
-// and its normal gives two lower bounds of the time until they touch; each step takes the later one.
+// Finds when a triangle in motion comes within the tolerance of a resting one. Between the two lies a slab
+// (geometry/triangle_pair.h), and its normal gives two lower bounds of the time until they touch; each step takes the
+// later one.
 class TriangleSweep {
  public:
   TriangleSweep(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
@@ -30,7 +31,7 @@ class TriangleSweep {
   const QueryPair& pair_;
   const AxisAngleMotion& path_;
   const double tolerance_;
-  const double sure_direction_from_;  // nearer than this, rounding decides the direction between closest points
+  const double sure_direction_from_;  // at smaller distances, rounding decides the direction between closest points
 };
 
 TriangleSweep::TriangleSweep(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
@@ -39,9 +40,9 @@ TriangleSweep::TriangleSweep(const QueryPair& pair, const AxisAngleMotion& path,
       tolerance_(tolerance),
       sure_direction_from_(std::max(kSureDirection * tolerance, pose_rounding(pair, path))) {}
 
-// Along the normal n of the slab the corners approach by no more than `approach` per time, -n.v + |n x w| * (their
-// distance from the axis). Where that is not positive the triangles separate. Where there is no slab they approach no
-// faster than the fastest corner moves.
+// Along the normal n of the slab, the speed of approach of the corners is at most `approach`, -n.v + |n x w| * (their
+// distance from the axis). If it is not positive, the triangles separate. If there is no slab, they approach no faster
+// than the fastest corner moves.
 std::optional<SweepResult> TriangleSweep::first_contact(std::uint32_t target_index, std::uint32_t probe_index,
                                                         double from, double until) const {
   const Corners resting = pair_.swapped ? pair_.probe.world(probe_index) : pair_.target.world(target_index);
@@ -50,7 +51,7 @@ std::optional<SweepResult> TriangleSweep::first_contact(std::uint32_t target_ind
   const AxisAngle& rotation = path_.rotation;
   const RigidMotion& poses = path_.poses;
   const double rate = rotation.angle_rad;
-  double radius = 0;  // of the corners about the axis
+  double radius = 0;  // the largest distance of a corner from the axis
   if (rate != 0)
     for (const Vec3& corner : moving)
       radius = std::max(radius, length(cross(rotation.axis, rotate(poses.from, corner - poses.center))));
@@ -65,9 +66,9 @@ std::optional<SweepResult> TriangleSweep::first_contact(std::uint32_t target_ind
     const Slab slab = slab_between(resting, at, pair);
     const double by_rotation = rotation_speed_along(triple_of(slab.normal), triple_of(rotation.axis), rate, radius);
     const double approach = by_rotation - dot(slab.normal, path_.velocity);
-    if (apart > sure_direction_from_ && slab.thickness > 0 && !(approach > 0)) return {};  // however near
+    if (apart > sure_direction_from_ && slab.thickness > 0 && !(approach > 0)) return {};  // they separate
     if (!(apart > tolerance_)) return hit(t, target_index, probe_index, pair);
-    // Rounding of the time must not carry them past each other.
+    // Keep a reserve: rounding of the time must not carry them past each other.
     const double reserve = std::max(tolerance_ / 2, kTimeRounding * approach);
     double step = std::max(0.0, approach > 0 ? (slab.thickness - reserve) / approach : 0);
     if (!(slab.thickness > reserve) && fastest > 0)
@@ -81,8 +82,8 @@ std::optional<SweepResult> TriangleSweep::first_contact(std::uint32_t target_ind
 }
 
 // The least time until a corner above the slab has come down to the reserve. A rotation that slides along a surface
-// hardly approaches it now, and what it does later is bounded: along the normal no corner is accelerated by more than
-// `acceleration`. So a corner approaches by its speed now times s, plus acceleration * s^2 / 2, at the most.
+// hardly approaches it now, and `acceleration` bounds the acceleration of all corners along the normal. So in a time s
+// a corner approaches by at most its present speed times s, plus acceleration * s^2 / 2.
 double TriangleSweep::time_to_reserve(const Corners& moving, double t, const Slab& slab, double reserve,
                                       double acceleration) const {
   if (!(slab.thickness > reserve)) return 0;
@@ -92,7 +93,7 @@ double TriangleSweep::time_to_reserve(const Corners& moving, double t, const Sla
     const Vec3 velocity = path_.velocity + cross(path_.rotation.axis, moving[k] - center) * path_.rotation.angle_rad;
     const double speed = -dot(slab.normal, velocity), height = slab.height[k] - reserve;
     const double root = std::sqrt(speed * speed + 2 * acceleration * height);
-    // The same number in two forms; each loses digits where the other does not.
+    // Both branches compute the same number; each form loses digits where the other does not.
     if (speed > 0)
       time = std::min(time, 2 * height / (speed + root));
     else if (acceleration > 0)
@@ -114,9 +115,9 @@ SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32
              apart > 0 ? pair.separation * (1 / apart) : Vec3{});
 }
 
-// Bounding spheres are advanced until the field no longer shows that they are free, those that stop first first; their
-// children start from there. A triangle whose sphere has stopped is tested against the target triangles that overlap
-// the box it sweeps next.
+// Bounding spheres are advanced until the field no longer shows that they are free; their children start from there.
+// The sphere that stops at the earliest time comes first. A triangle whose sphere has stopped is tested against the
+// target's triangles that overlap the box of its next stretch.
 class SweepSearch {
  public:
   SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
@@ -133,7 +134,7 @@ class SweepSearch {
   }
 
  private:
-  // The spheres of one packet, each with its time.
+  // The spheres of a packet, each with its time.
   struct Lanes {
     MovingSphere sphere[kLanes];
     alignas(64) float gap[kLanes];
@@ -141,7 +142,7 @@ class SweepSearch {
     bool active[kLanes];
   };
 
-  double end() const { return result_.time; }  // nothing later is of interest
+  double end() const { return result_.time; }  // a later contact is not the first
   bool done(double time) const { return time >= end(); }
 
   void visit(int level, std::uint32_t packet, double start) {
@@ -195,14 +196,14 @@ class SweepSearch {
     }
   }
 
-  // One triangle from time `from` on, against all target triangles near its path.
+  // Follows a triangle from time `from` on, against all target triangles near its path.
   void follow(std::uint32_t probe_index, double from) {
     Triple<double> corner[3];
     for (int k = 0; k < 3; ++k)
       corner[k] = triple_of(pair_.probe.body->corners[probe_index][k] - pair_.probe.body->middle);
     const MovingTriangle triangle = moving_triangle(motion_, corner);
     for (double t = from; !done(t);) {
-      // At least to the next number after t: short steps must not end the search.
+      // Look ahead at least to the next number after t: short steps must not end the search.
       const double ahead = look_ahead(t, triangle.speed, pair_.target.body->field.spacing);
       const double until = std::min(end(), std::max(ahead, std::nextafter(t, kNever)));
       FloatBox box;
@@ -214,7 +215,7 @@ class SweepSearch {
     }
   }
 
-  // As far as the field lets the triangle's sphere go from a time at which the triangle is free.
+  // The time until which the field shows the triangle's sphere to be free, from a time at which the triangle is free.
   double jump(std::uint32_t probe_index, double t) {
     const Sphere16& spheres = pair_.probe.body->bvh.spheres[0][probe_index / kLanes];
     const int n = static_cast<int>(probe_index % kLanes);
@@ -238,8 +239,8 @@ class SweepSearch {
   const RelativeMotion motion_;
   const Kernels& kernels_;
   const TriangleSweep triangles_;
-  const float keep_;             // distance left after every step
-  const float enough_;           // steps this long are taken without asking the fine field
+  const float keep_;             // the distance left after every step
+  const float enough_;           // steps this long are taken without sampling the fine field
   double from_ = 0, until_ = 0;  // the interval in which follow() looks for contacts
   SweepResult result_;           // the first contact so far
 };

@@ -14,9 +14,9 @@
 namespace standoff::collision {
 namespace {
 
-// A factor that carries the radius of a bounding sphere past its rounding in single precision: differences, squares,
-// sums and a root, 2^-24 (6e-8) each. Smaller: corners stick out of their sphere, and intersecting bodies may count
-// as free. Larger: more spheres are looked up.
+// The factor that makes the radius of a bounding sphere an upper bound in spite of rounding in single precision:
+// differences, squares, sums and a root, 2^-24 (6e-8) each. Smaller: corners stick out of their sphere, and
+// intersecting bodies may count as free. Larger: more spheres are tested.
 constexpr float kSphereRoundUp = 1 + 0x1p-21f;
 static_assert(kSphereRoundUp - 1 > gamma_float(6));
 
@@ -134,10 +134,10 @@ BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middl
     for (int k = 0; k < 3; ++k)
       for (int axis = 0; axis < 3; ++axis) bvh.triangles[n / kLanes].corner[k][axis][n % kLanes] = from[k].x[axis];
   });
-  // Boxes that are not grown: they hold the same float coordinates as the triangles.
+  // The boxes need not be grown: they hold the same float coordinates as the triangles.
   bvh.tree = Bvh(mesh, std::move(order), {middle}, progress);
   bvh.oriented.emplace_back();
-  std::int64_t size = 1;  // the triangles of a child
+  std::int64_t size = 1;  // the number of triangles of a child
   for (int level = 0; level <= bvh.top(); ++level, size *= kLanes) {
     progress.check();
     const std::span<const Boxes16> boxes = bvh.tree.level(level);

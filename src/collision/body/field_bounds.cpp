@@ -21,19 +21,18 @@ namespace {
 constexpr double kUsualSamples = 12e6;
 constexpr double kEdgeShare = 0.25;
 constexpr double kMostCoarse = 0x1p28;
-// Per axis: the kernels round sample numbers in single precision, where the next half past this is lost, and with it
-// the last sample.
+// The largest sample index per axis: the kernels round indices in single precision, which has no halves beyond this.
 constexpr std::int64_t kMostAlong = (std::int64_t{1} << 23) - 1;
 
 std::uint8_t rounded_down(float value, double spacing) {
   const double band = kBandSamples * spacing;
   if (value >= static_cast<float>(band)) return kClampedSample;
-  // Below the distance, whatever compute() is off by.
+  // A lower bound of the distance, whatever the error of compute() is.
   const double bound = value - promised_error(value, spacing);
   return static_cast<std::uint8_t>(std::max(0.0, std::floor(bound / band * kClampedSample)));
 }
 
-// The bits of eight values, set where they are negative.
+// The signs of eight values: a bit is set if its value is negative.
 std::uint8_t signs_of(const float* values) {
   unsigned bits = 0;
   for (unsigned n = 0; n < 8; ++n) bits |= unsigned{values[n] < 0} << n;
@@ -59,7 +58,7 @@ void fill_fine(FieldBounds& bounds, const DistanceField& field, bool has_sign) {
   });
 }
 
-// Each coarse sample is also one of the fine field, unless it is past its last one, and so outside the surface's box.
+// A coarse sample coincides with a fine one, unless it is past the last fine sample, and so outside the surface's box.
 void fill_coarse_inside(FieldBounds& bounds, const DistanceField& fine) {
   const Size3 size = bounds.coarse_size;
   bounds.coarse_inside.resize(static_cast<std::size_t>((size.count() + 7) / 8));
@@ -83,7 +82,7 @@ double default_spacing(MeshView mesh, const Box& box) {
   const Vec3 e = box.extent();
   const double longest = box.longest_side();
   if (!(longest > 0)) return 1;
-  // Flat boxes too are padded by the band: the thinnest side counts as a hundredth of the longest at least.
+  // The band pads flat boxes too: the thinnest side counts as at least a hundredth of the longest.
   const double volume =
       longest * std::max(e.x, longest / 100) * std::max(e.y, longest / 100) * std::max(e.z, longest / 100) / longest;
   return std::max({std::cbrt(volume / kUsualSamples), kEdgeShare * mean_edge, longest / 1024});
@@ -123,7 +122,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
     return true;
   };
   const bool has_sign = is_closed(moved).oriented;
-  // As the triangles are oriented: so are the crossings that containment counts near the surface.
+  // Keep the triangles' orientation: containment counts crossings near the surface with it too.
   if (has_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
   {
     const DistanceField field = compute(moved, fine, bounds.thickness(), options).field;

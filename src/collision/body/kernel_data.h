@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels work on, on the CPU and on GPUs: a model's two distance fields, with the gap of a bounding sphere that
-// they give, and blocks of sixteen spheres, boxes or triangles.
+// The data of kernels on the CPU and on GPUs: a model's two distance fields, the gap of a bounding sphere in them, and
+// blocks of sixteen spheres, boxes or triangles.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace standoff::collision {
 
-/// A fine sample with this value is clamped: the surface is no nearer than the band's half-width.
+/// The value of a clamped fine sample: the surface is at least the band's half-width away.
 inline constexpr int kClampedSample = 255;
 
 /// A view of FieldBounds (model.h). Positions are relative to the model's middle.
@@ -21,12 +21,12 @@ struct FieldView {
   float origin[3];                        ///< of sample (0,0,0) of both grids
   float spacing, coarse_spacing;          ///< of the fine and the coarse grid
   float per_spacing, per_coarse_spacing;  ///< their reciprocals
-  float last[3], coarse_last[3];          ///< the largest index per axis
+  float last[3], coarse_last[3];          ///< the last index per axis
   std::int32_t tiles[2];                  ///< of the fine grid along x and y
   std::int32_t coarse_size[2];            ///< of the coarse grid along x and y
-  float step;                             ///< what one unit of a fine sample stands for
+  float step;                             ///< the distance of one unit of a fine sample
   float min[3], max[3];                   ///< the box of the surface
-  const std::int32_t* slots;              ///< per tile: where its 512 samples start, in tiles
+  const std::int32_t* slots;              ///< per tile: the start of its 512 samples, in tiles
   const std::uint8_t* samples;
   const float* coarse;
 };
@@ -46,15 +46,14 @@ STANDOFF_INLINE std::int32_t coarse_index(const FieldView& f, std::int32_t i, st
   return (k * f.coarse_size[1] + j) * f.coarse_size[0] + i;
 }
 
-// The gap of a bounding sphere is a lower bound of its distance from the surface, in single precision, for the CPU's
-// loops over sixteen spheres and the GPU's thread per sphere.
+// The gap of a bounding sphere is a lower bound of its distance from the surface, in single precision. The CPU's loops
+// over sixteen spheres and the GPU's thread per sphere share it.
 //
 // Distance is 1-Lipschitz, so a sample s at x_i gives d(x) >= s - |x - x_i| for every x, and a sphere (x, r) is at
 // least d(x) - r away (docs/collision.md). The nearest sample is taken, of the coarse field and then of the fine one; a
 // sample clamped by the band's half-width is still a lower bound. So is the distance to the surface's box.
 
-/// Where along an axis the samples nearest to a point stand: their indices, and how far from them the point is, in
-/// spacings, squared.
+/// The indices of the samples nearest to a point along an axis, and its squared distances from them, in spacings.
 struct NearestIndex {
   std::int32_t at;
   float off_sq;
@@ -70,12 +69,12 @@ STANDOFF_INLINE float outside_sq(const FieldView& f, int axis, float x) {
   return out * out;
 }
 
-/// The samples nearest to a sphere's centre, and what they say less.
+/// The samples nearest to a sphere's centre, and their distances from it.
 struct SphereSamples {
   float outside;               ///< the bound from the surface's box
-  float coarse_off, fine_off;  ///< to be taken off the samples
+  float coarse_off, fine_off;  ///< to be subtracted from the samples
   std::int32_t coarse;         ///< the coarse sample
-  std::int32_t tile, within;   ///< the fine one: its tile, and its index there
+  std::int32_t tile, within;   ///< the tile of the fine sample, and its index there
 };
 
 STANDOFF_INLINE SphereSamples samples_near(const FieldView& f, float x, float y, float z, float radius) {
@@ -95,7 +94,7 @@ STANDOFF_INLINE SphereSamples samples_near(const FieldView& f, float x, float y,
           index_in_tile(fx.at, fy.at, fz.at)};
 }
 
-/// The gap. Where the coarse field's bound exceeds `enough`, the fine field is not sampled.
+/// The gap of a sphere. If the coarse field's bound exceeds `enough`, the fine field is not sampled.
 STANDOFF_INLINE float gap_of_sphere(const FieldView& f, float x, float y, float z, float radius, float enough) {
   const SphereSamples at = samples_near(f, x, y, z, radius);
   const float gap = max(at.outside, f.coarse[at.coarse] - at.coarse_off);
@@ -109,23 +108,23 @@ STANDOFF_INLINE float transformed(const FloatTransform& transform, int axis, flo
   return r[0] * x + r[1] * y + r[2] * z + transform.translation[axis];
 }
 
-// Sixteen spheres or boxes at a time. Lanes without content hold an empty sphere or box.
+// Blocks of sixteen. Lanes without content hold an empty sphere or box.
 
 inline constexpr int kLanes = Boxes16::kLanes;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct alignas(64) Sphere16 {
   float center[3][kLanes];
-  float radius[kLanes];  ///< minus infinity: no sphere
+  float radius[kLanes];  ///< minus infinity for an empty sphere
 };
 
 /// An oriented box: all points center + sum of t_k axis[k] with |t_k| <= half[k]. Its axes are perpendicular unit
-/// vectors but for the rounding to single precision, which `half` allows for.
+/// vectors up to the rounding to single precision, which `half` covers.
 struct Obb {
   float center[3], axis[3][3], half[3];
 };
 
-/// Sixteen of them: center and half by coordinate and axis, axes by number and coordinate; then lane.
+/// Sixteen oriented boxes: center by coordinate, half by axis, axes by number and coordinate; then lane.
 struct alignas(64) Obb16 {
   float center[3][kLanes], axis[3][3][kLanes], half[3][kLanes];
 
@@ -145,27 +144,27 @@ struct alignas(64) Obb16 {
   }
 };
 
-/// Triangles: corner, axis, lane.
+/// Sixteen triangles: corner, axis, lane.
 struct alignas(64) Triangle16 {
   float corner[3][3][kLanes];
 };
 
-/// Pairs of triangles at a time: as many doubles as a 512-bit register holds.
+/// Pairs of triangles at a time: a 512-bit register holds this many doubles.
 inline constexpr int kPairs = 8;
 
-/// Corner, axis, lane.
+/// Eight pairs of triangles: corner, axis, lane.
 struct alignas(64) TrianglePairs {
   double p[3][3][kPairs], q[3][3][kPairs];
 };
 
-/// Which of eight pairs intersect, and their point, normal and depth as in Penetration.
+/// The results of eight pairs: which of them intersect, and point, normal and depth as in Penetration.
 struct alignas(64) PairOverlaps {
   double point[3][kPairs];
   double normal[3][kPairs];
   double depth[kPairs];
-  std::uint32_t intersecting;  ///< bit n: pair n intersects, for certain; only then its numbers mean something
+  std::uint32_t intersecting;  ///< bit n: pair n intersects for certain; otherwise its numbers are undefined
   std::uint32_t
-      inaccurate;  ///< bit n: it intersects, but point, normal and depth may err by more than penetration() promises
+      inaccurate;  ///< bit n: it intersects, but the errors of its numbers may exceed the promise of penetration()
   std::uint32_t unsure;  ///< bit n: rounding may hide the answer
 };
 
@@ -175,7 +174,7 @@ struct alignas(64) ClosestOfPairs {
   double on_p[3][kPairs], on_q[3][kPairs];
 };
 
-/// Asks the memory for all lines of something before the first is needed.
+/// Prefetches all cache lines of an object.
 template <class T>
 inline void fetch(const T& what) {
   for (std::size_t line = 0; line < sizeof(T); line += 64)

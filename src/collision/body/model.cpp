@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies: made from a mesh, and kept in files. A file is a header, then the arrays as they lie in memory, little
+// Makes bodies from meshes, and saves and loads them. A file is a header, then the arrays as they lie in memory, little
 // endian, and a checksum over all of it.
 //
-// What is read is not believed: sizes are checked against the file's and against what the mesh and the spacing give,
-// the BVH's order against being a permutation, tile numbers against the tiles there are. So a damaged or hostile file
-// is an error or a body with wrong bounds, but never an access out of range. The checksum finds damage, not malice.
+// The reader trusts nothing: it checks sizes against the file and against the mesh and its spacing, the BVH's order for
+// being a permutation, and tile numbers against the number of tiles. A damaged or hostile file gives an error or a body
+// with wrong bounds, but never an access out of range. The checksum finds damage, not malice.
 #include "collision/body/model.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace standoff {
 namespace collision {
 namespace {
 
-// Disjoint sets of numbers. The lowest number of a set stands for it.
+// Disjoint sets of numbers. The lowest number of a set represents it.
 class LowestOfSets {
  public:
   explicit LowestOfSets(std::uint32_t count) : parent_(count) {
@@ -45,7 +45,7 @@ class LowestOfSets {
   std::vector<std::uint32_t> parent_;
 };
 
-// Triangles between two checks whether the work is to end.
+// Triangles between two checks for interruption.
 constexpr std::size_t kCheckEvery = std::size_t{1} << 16;
 
 }  // namespace
@@ -70,7 +70,7 @@ std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& pro
     seen[component] = true;
     firsts.push_back(static_cast<std::uint32_t>(t));
   }
-  firsts.shrink_to_fit();  // models keep it
+  firsts.shrink_to_fit();  // the model keeps it
   return firsts;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a CollisionModel holds: a mesh, bounds of the distance to it, a BVH over its triangles and its connected
-// components; and the functions that make these.
+// The data of a CollisionModel: a mesh, bounds of the distance to it, a BVH over its triangles and its connected
+// components; and the functions that make them.
 #pragma once
 
 #include <cstdint>
@@ -25,23 +25,23 @@ enum class ArrayChecksum;
 
 namespace collision {
 
-/// Half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past the
-/// coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is only used where it is the better one.
+/// The half-width of the fine field's band, and the coarse field's spacing, in fine spacings. The band must reach past
+/// the coarse field's error, sqrt(3)/2 * 4 spacings, so that the coarse bound is used only where it is better.
 inline constexpr int kBandSamples = 4;
 inline constexpr int kCoarseStep = 4;
 
-/// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, a coarse one around it. If the
-/// surface is closed, also the sign: which samples are inside. It is stored apart, because distance bounds need none.
-/// Samples are stored in 255 steps of the band's half-width, rounded down: they stay lower bounds. Positions are
+/// Lower bounds of the distance to a surface, everywhere: a fine sparse field near it, and a coarse field around it. If
+/// the surface is closed, also the signs of the samples, which are stored separately because distance bounds need none.
+/// Samples are stored in 255 steps of the band's half-width, rounded down: so they stay lower bounds. Positions are
 /// relative to the body's middle.
 struct FieldBounds {
   double spacing = 1;
   Size3 size, coarse_size;
   Vec3 origin;
-  Box box;                             ///< of the surface
-  HugePageVector<std::int32_t> slots;  ///< per tile; tile 0 of the samples is all far
+  Box box;                             ///< around the surface
+  HugePageVector<std::int32_t> slots;  ///< by tile; tile 0 of the samples is all clamped
   HugePageVector<std::uint8_t> samples;
-  HugePageVector<float> coarse;  ///< distances, rounded down; no clamping
+  HugePageVector<float> coarse;  ///< distances, rounded down, not clamped
   /// One bit per sample, set if its winding number is positive. In the order of `samples` and of `coarse`, the lowest
   /// bit of a byte first. Empty if the surface is not closed; the bits of tile 0 mean nothing.
   HugePageVector<std::uint8_t> inside, coarse_inside;
@@ -51,13 +51,14 @@ struct FieldBounds {
   FieldView view() const;
 };
 
-/// The BVH over the triangles of a body, and what it has beside the boxes. Coordinates are relative to the middle.
+/// The BVH over the triangles of a body, with spheres and triangles beside its boxes. Coordinates are relative to the
+/// middle.
 struct BodyBvh {
   Bvh tree;
-  std::vector<HugePageVector<Sphere16>> spheres;  ///< by level: around the children of each of its nodes
-  /// By level, from 1 on: oriented boxes around the children of each node; the last level holds the root's alone.
+  std::vector<HugePageVector<Sphere16>> spheres;  ///< by level, by node: the spheres around its children
+  /// By level, from 1 on: oriented boxes around the children of each node; the last level holds only the root's.
   std::vector<HugePageVector<Obb16>> oriented;
-  HugePageVector<Triangle16> triangles;  ///< of each node of the lowest level; lanes left over repeat the last triangle
+  HugePageVector<Triangle16> triangles;  ///< by node of the lowest level; lanes left over repeat the last triangle
 
   const std::vector<std::uint32_t>& order() const { return tree.order(); }
   const Boxes16* boxes(int level) const { return tree.level(level).data(); }
@@ -70,56 +71,55 @@ struct BodyBvh {
 
 struct ModelData {
   Mesh mesh;
-  Box box;            ///< of the corners
-  Vec3 middle;        ///< BVH and fields are relative to it
+  Box box;            ///< around the corners
+  Vec3 middle;        ///< the origin of BVH and fields
   double radius = 0;  ///< of a sphere about the middle that holds all corners
   FieldBounds field;
-  FieldView view{};  ///< of `field`
+  FieldView view{};  ///< a view of `field`
   BodyBvh bvh;
-  HugePageVector<Corners> corners;        ///< of the triangles, in the order of the BVH
+  HugePageVector<Corners> corners;        ///< the triangles in the order of the BVH
   std::vector<std::uint32_t> components;  ///< the first triangle of each connected component
-  gpu::DeviceCopies device_models;        ///< what GPUs keep of all this
+  gpu::DeviceCopies device_models;        ///< copies in the memory of GPUs
 
-  /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 is chosen
-  /// later. Errors: input, usage.
+  /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 means that it
+  /// is chosen later. Throws Error{input} or Error{usage}.
   void prepare(double spacing);
-  /// The last step: everything that follows from mesh, field and the order of the BVH.
+  /// The last step: makes everything that follows from mesh, field and the order of the BVH.
   void finish(ProgressMeter& progress);
   std::int64_t memory_bytes() const;
 };
 
-/// A model's data, for this library alone.
+/// Gives this library access to a model's data.
 struct ModelAccess {
   static const ModelData& data(const CollisionModel& model) { return *model.data_; }
   static CollisionModel model(std::shared_ptr<const ModelData> data) { return CollisionModel(std::move(data)); }
 };
 inline const ModelData& data_of(const CollisionModel& model) { return ModelAccess::data(model); }
 
-/// The spacing for a mesh when none is asked for: about 12 million samples in its box, but never less than a
-/// quarter of its mean edge, below which a finer field gives no better bound.
+/// The default spacing for a mesh: it gives about 12 million samples in the box, but is at least a quarter of the mean
+/// edge, below which a finer field gives no better bound.
 double default_spacing(MeshView mesh, const Box& box);
 
-/// The fields' grids for a mesh of that box, without samples. Errors: limit.
+/// The grids of the fields for a mesh in this box, without samples. Throws Error{limit}.
 FieldBounds plan_field_bounds(const Box& box, double spacing);
 
-/// Builds the fields through compute(); they have a sign if the mesh is closed and consistently oriented. Errors:
-/// limit.
+/// Builds the fields through compute(); they have a sign if the mesh is closed and consistently oriented. Throws
+/// Error{limit}.
 FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const Execution& execution,
                                ProgressMeter& progress);
 
-/// Builds the BVH over triangles whose coordinates are taken relative to `middle`, in halving_order(). The same on
-/// every run, by any number of threads. The progress can end it.
+/// Builds the BVH over triangles in halving_order(), with coordinates relative to `middle`. The result does not depend
+/// on the number of threads. The progress may interrupt it.
 BodyBvh build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
-/// The same in an order that is given: a permutation of the triangles.
+/// The same in a given order, which is a permutation of the triangles.
 BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middle, ProgressMeter& progress);
 
 /// The lowest index of a triangle of each connected component, in ascending order. Triangles are connected if they have
-/// a corner at the same position, so a mesh need not be welded. Requires a valid mesh. The progress can end it.
+/// a corner at the same position, so a mesh need not be welded. Requires a valid mesh. The progress may interrupt it.
 std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& progress);
 
-/// The model in a file's bytes; for load(), and for the fuzzer, whose changed bytes would end at the checksum. Errors:
-/// input.
+/// Reads a model; for load(), and for the fuzzer, whose bytes never match the checksum. Throws Error{input}.
 CollisionModel read_model(const FileView& file, ArrayChecksum checksum);
 
 }  // namespace collision

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact collide() for many poses: a warp per pose. The probe's bounding spheres are looked up in the target's field,
-// two packets of sixteen at a time, nearest first. A packet of triangles that reaches the surface goes down the
-// target's BVH; pairs whose boxes overlap are collected until there is one for each lane, and are decided in double
-// precision. Bounds and decision are the CPU's (kernel_data.h, triangle_overlap.h), and so is the slack of single
-// precision.
+// Exact collide() for many poses: a warp per pose. It tests the probe's bounding spheres in the target's field, two
+// packets of sixteen at a time, the nearest first. A packet of triangles that reaches the surface descends the target's
+// BVH. Pairs whose boxes overlap are collected until there is one for each lane, then decided in double precision. The
+// bounds, the decision and the slack of single precision equal the CPU's (kernel_data.h, triangle_overlap.h).
 #pragma once
 
 #include "collision/body/kernel_data.h"
@@ -26,16 +25,16 @@ struct CollideTask {
   const PoseQuery* queries;
   PoseAnswer* answers;
   std::uint32_t count;
-  std::uint32_t* next;  ///< the first query that nobody has taken
+  std::uint32_t* next;  ///< the first query that no warp has taken
   int stack;
 };
 
 /// A warp's part of shared memory.
 struct SearchShared {
-  static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
+  static constexpr int kWaiting = 64;  // 31 pairs, and 32 that the lanes add
   std::uint32_t nodes[collision::kDeviceStack], target_nodes[collision::kDeviceStack];
   float gap[32];
-  FlatBox box[kLanes], all;  // of the transformed triangles
+  FlatBox box[kLanes], all;  // around the transformed triangles
   std::uint32_t of_target[kWaiting], of_probe[kWaiting];
 };
 
@@ -49,7 +48,7 @@ class PoseSearch {
   STANDOFF_DEVICE PoseAnswer run() {
     Nodes nodes(shared_.nodes, task_.stack, packet_word(task_.probe.top, 0));
     while (!nodes.empty() && verdict_ != DeviceVerdict::hit && verdict_ != DeviceVerdict::overflow) {
-      // Where undecided a pair that intersects for certain may still come.
+      // Go on if undecided: a later pair may intersect for certain.
       const bool triangles = nodes.top_level() == 0;
       const std::uint32_t word = nodes.take(triangles ? kMostLevels : 1, kNoPacket);
       if (triangles)
@@ -65,7 +64,7 @@ class PoseSearch {
     return collision::transformed(query_.transform, axis, x, y, z);
   }
 
-  // Puts the packets below the nodes whose spheres come near on the stack, the nearest on top.
+  // Pushes the packets of the nodes whose spheres are near, the nearest on top.
   STANDOFF_DEVICE void open(Nodes& nodes, std::uint32_t word) {
     const int level = level_of(word), n = static_cast<int>(lane_ % kLanes);
     float gap = collision::kInfinity;
@@ -82,7 +81,7 @@ class PoseSearch {
       verdict_ = DeviceVerdict::overflow;
   }
 
-  // The packet's triangles against the target's.
+  // Tests the packet's triangles against the target's triangles.
   STANDOFF_DEVICE void test_packet(std::uint32_t packet) {
     transform_boxes(packet);
     int waiting = 0;
@@ -110,7 +109,7 @@ class PoseSearch {
       settle(0, waiting);
   }
 
-  // The boxes of a packet's triangles in the target's frame, grown by the limit, and the box around them.
+  // Computes the boxes of a packet's triangles in the target's frame, grown by the limit, and the box around them.
   STANDOFF_DEVICE void transform_boxes(std::uint32_t packet) {
     const collision::Triangle16& triangles = task_.probe.triangles[packet];
     if (lane_ < kLanes) {
@@ -135,7 +134,7 @@ class PoseSearch {
     __syncwarp();
   }
 
-  // Decides `count` of the pairs that wait, from `first` on, a lane each.
+  // Decides `count` of the waiting pairs, from `first` on, one per lane.
   STANDOFF_DEVICE void settle(int first, int count) {
     bool hit = false, unsure = false;
     std::uint32_t of_target = 0, of_probe = 0;
@@ -159,7 +158,7 @@ class PoseSearch {
     } else if (__ballot_sync(kWarp, unsure) != 0) {
       verdict_ = DeviceVerdict::undecided;
     }
-    // Other lanes write the next pairs where these were read: votes order no memory, this does.
+    // Order memory, which votes do not: other lanes write the next pairs over these.
     __syncwarp();
   }
 
@@ -172,7 +171,7 @@ class PoseSearch {
   std::uint32_t of_target_ = 0, of_probe_ = 0;
 };
 
-/// Warps take one pose after the other.
+/// Warps take one pose after another.
 __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask task) {
   __shared__ SearchShared shared[kCollideThreads / 32];
   answer_queries<PoseSearch>(task, shared);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernels of all queries stand on: a collision model in device memory, the stack of BVH nodes that a warp has
-// still to visit, the warp's way down the target's BVH, and the way of a batch of queries from host memory to the
-// kernel that answers them and back, a warp per query.
+// The common part of the kernels of queries: a collision model in device memory, the stack of a warp, its traversal of
+// the target's BVH, and the function that runs a kernel over a batch of queries from host memory, a warp per query.
 #pragma once
 
 #include <algorithm>
@@ -16,22 +15,22 @@ namespace standoff::STANDOFF_PLATFORM {
 
 using collision::kLanes;
 
-// Levels of a BVH over as many triangles as there may be: sixteen to the eighth power.
+// The most levels of a BVH: sixteen to the eighth power is the most triangles.
 inline constexpr int kMostLevels = 8;
 
-/// What kernels read of a model. What it points to lies in device memory.
+/// A model as kernels read it. Pointers are to device memory.
 struct DeviceModelView {
   collision::FieldView field;
   const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in BodyBvh
   const Boxes16* boxes[kMostLevels];
   const collision::Triangle16* triangles;
-  const double* corners;  ///< nine a triangle, by index in the BVH
+  const double* corners;  ///< nine numbers per triangle, by index in the BVH
   Triple<double> middle;
   std::uint32_t triangle_count;
-  int top;  ///< level
+  int top;  ///< the top level
 };
 
-/// Corners of a triangle, by its index in the BVH, in the model's own coordinates.
+/// Loads the corners of a triangle, by its index in the BVH, in the model's own coordinates.
 STANDOFF_DEVICE void load_corners(const DeviceModelView& model, std::uint32_t index, Triple<double> (&corner)[3]) {
   const double* const at = model.corners + 9 * std::int64_t{index};
   for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
@@ -78,16 +77,15 @@ class DeviceModel : public gpu::DeviceCopy {
   DeviceModelView view_{};
 };
 
-/// The model's copy on a device, which must be the current one.
+/// The copy of the model on the current device.
 inline std::shared_ptr<const DeviceModel> device_model_of(const collision::ModelData& data, Backend backend,
                                                           int device) {
   return std::static_pointer_cast<const DeviceModel>(
       data.device_models.get(backend, device, [&] { return std::make_shared<DeviceModel>(data); }));
 }
 
-// The stack of BVH nodes that a warp has still to visit, in shared memory.
-
-// A packet of sixteen nodes in one word: its level above its index, which is below 2^28 for 2^32 triangles.
+// A packet of sixteen nodes in one word: the low bits hold its index, which is below 2^28 for 2^32 triangles, the high
+// bits its level.
 inline constexpr int kLevelShift = 28;
 inline constexpr std::uint32_t kNoPacket = 0xffffffffu;
 STANDOFF_DEVICE std::uint32_t packet_word(int level, std::uint32_t packet) {
@@ -100,7 +98,7 @@ inline constexpr std::uint32_t kWarp = 0xffffffffu;
 STANDOFF_DEVICE std::uint32_t lane_in_warp() { return threadIdx.x % 32; }
 STANDOFF_DEVICE std::uint32_t lanes_below(std::uint32_t lane) { return (1u << lane) - 1; }
 
-/// A packet and the time from which its nodes are to be moved on.
+/// A packet and the time at which its nodes start.
 struct TimedPacket {
   double time;
   std::uint32_t word;
@@ -108,11 +106,12 @@ struct TimedPacket {
 STANDOFF_DEVICE std::uint32_t word_of(std::uint32_t entry) { return entry; }
 STANDOFF_DEVICE std::uint32_t word_of(const TimedPacket& entry) { return entry.word; }
 
-/// The same count in all lanes of a warp; all of them call all of it together.
+/// The stack of packets that a warp still has to visit, in shared memory. All lanes hold the same count, and must make
+/// every call together.
 template <class Entry>
 class NodeStack {
  public:
-  /// `entries` is shared memory for `capacity` of them.
+  /// `entries`: shared memory for `capacity` entries.
   STANDOFF_DEVICE NodeStack(Entry* entries, int capacity, Entry first)
       : entries_(entries), capacity_(capacity), count_(1) {
     __syncwarp();
@@ -122,19 +121,19 @@ class NodeStack {
   STANDOFF_DEVICE bool empty() const { return count_ == 0; }
   STANDOFF_DEVICE int top_level() const { return level_of(word_of(entries_[count_ - 1])); }
 
-  /// Takes the uppermost packets, one for each half of the warp: `none` for the second half where there is but one, or
-  /// where the second is below `least_level`.
+  /// Pops two packets, one for each half of the warp. The second half gets `none` if there is only one, or if the level
+  /// of the second is below `least_level`.
   STANDOFF_DEVICE Entry take(int least_level, Entry none) {
     const bool two = count_ > 1 && level_of(word_of(entries_[count_ - 2])) >= least_level;
     const bool second = lane_in_warp() >= kLanes;
     const Entry entry = !second ? entries_[count_ - 1] : two ? entries_[count_ - 2] : none;
     count_ -= two ? 2 : 1;
-    __syncwarp();  // all have read before anybody writes
+    __syncwarp();  // all lanes have read before any writes
     return entry;
   }
 
-  /// Puts the entries of some lanes on top, that with the highest rank (0 to their number less one) uppermost. False,
-  /// and nothing put, where they do not fit.
+  /// Pushes the entries of some lanes, the highest rank (0 to their number less one) on top. If they do not fit, pushes
+  /// none and returns false.
   STANDOFF_DEVICE bool put(std::uint32_t lanes, int rank, Entry entry) {
     const int more = __popc(lanes);
     if (count_ + more > capacity_) return false;
@@ -149,7 +148,8 @@ class NodeStack {
   int capacity_, count_;
 };
 
-/// How many of some lanes hold a larger key, or as large a one in a later lane. `keys` is shared memory for 32.
+/// The number of lanes, of some, with a larger key, or with an equal key and a higher number. `keys`: shared memory for
+/// 32 keys.
 template <class Key>
 STANDOFF_DEVICE int larger_keys(std::uint32_t lanes, Key key, Key* keys) {
   const std::uint32_t lane = lane_in_warp();
@@ -162,10 +162,7 @@ STANDOFF_DEVICE int larger_keys(std::uint32_t lanes, Key key, Key* keys) {
   return larger;
 }
 
-// The triangles of the target whose boxes overlap a box: a warp goes down the target's BVH, two packets of sixteen at a
-// time.
-
-/// Low sides, then high ones.
+/// A box: the low sides, then the high ones.
 struct FlatBox {
   float side[6];
 };
@@ -181,8 +178,9 @@ STANDOFF_DEVICE FlatBox box_in(const Boxes16& boxes, std::uint32_t n) {
   return box;
 }
 
-/// Calls use(this lane has one, its BVH index, its box) with triangles, all lanes together, until it returns
-/// false. False, with triangles left out, where `words`, shared memory for `capacity` packets, did not suffice.
+/// Finds the target's triangles whose boxes overlap a box: a warp descends the BVH, two packets of sixteen at a time.
+/// Calls use(this lane has one, its BVH index, its box), all lanes together, until it returns false. `words`: shared
+/// memory for `capacity` packets; if it does not suffice, the result is false, and triangles are missing.
 template <class Use>
 STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModelView& model, std::uint32_t* words,
                                            int capacity, Use use) {
@@ -205,16 +203,16 @@ STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModel
   return true;
 }
 
-// Batches of queries.
-
-/// The next query for the calling warp: some take a thousand times as long as others.
+/// Takes the next query for the calling warp. Queries are not assigned beforehand, as some take a thousand times as
+/// long as others.
 STANDOFF_DEVICE std::uint32_t take_query(std::uint32_t* next) {
   std::uint32_t n = 0;
   if (lane_in_warp() == 0) n = atomicAdd(next, std::uint32_t{1});
   return __shfl_sync(kWarp, n, 0);
 }
 
-/// Answers queries until none is left, a warp each: its search of a task, a query and the warp's shared memory.
+/// Answers queries until none is left, a warp per query. Search is made from a task, a query and the warp's shared
+/// memory.
 template <class Search, class Task, class Shared>
 STANDOFF_DEVICE void answer_queries(const Task& task, Shared* shared) {
   for (;;) {
@@ -225,7 +223,7 @@ STANDOFF_DEVICE void answer_queries(const Task& task, Shared* shared) {
   }
 }
 
-/// Runs a kernel over queries on the current device. make_task gets queries, answers and a counter in device memory.
+/// Runs a kernel over queries on the current device. make_task takes queries, answers and a counter in device memory.
 template <unsigned kThreads, class Task, class Query, class Answer, class MakeTask>
 void run_queries(const char* label, void (*kernel)(Task), std::span<const Query> queries, std::span<Answer> answers,
                  MakeTask make_task) {

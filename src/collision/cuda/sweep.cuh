@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which motions are certainly free? A warp per motion: the probe's bounding spheres are advanced, two packets of
-// sixteen at a time, those that stop first first; their children start from there. Triangles that stop are tested
-// against the target triangles that overlap the box they sweep, a lane each; where a pair comes nearer than twice the
-// distance to be kept, the motion is undecided. Bounds and steps are the CPU's (conservative_advancement.h), in the
-// target's frame; the distance kept covers its rounding.
+// Finds motions that are certainly free, a warp per motion. The probe's bounding spheres are advanced, two packets of
+// sixteen at a time, the packet that stopped at the earliest time first; their children start from there. Triangles
+// that stop are tested, one target triangle per lane, against the triangles that overlap the box they sweep. If a pair
+// comes nearer than twice the distance to be kept, the motion is undecided. Bounds and steps are the CPU's
+// (conservative_advancement.h), in the target's frame; the distance kept covers its rounding.
 #pragma once
 
 #include "collision/body/kernel_data.h"
@@ -25,13 +25,13 @@ struct SweepTask {
   const SweepQuery* queries;
   SweepAnswer* answers;
   std::uint32_t count;
-  std::uint32_t* next;  ///< the first query that nobody has taken
+  std::uint32_t* next;  ///< the first query that no warp has taken
   int stack;
 };
 
 /// A warp's part of shared memory.
 struct SweepShared {
-  static constexpr int kWaiting = 64;  // 31 and what 32 lanes add
+  static constexpr int kWaiting = 64;  // 31 triangles, and 32 that the lanes add
   TimedPacket nodes[collision::kDeviceStack];
   std::uint32_t target_nodes[collision::kDeviceStack];
   double time[32];
@@ -69,7 +69,7 @@ class MotionSearch {
  private:
   static constexpr double kEnd = 1;
 
-  // The time until which a sphere that is free until `start` stays free, or somewhat less.
+  // A time until which a sphere that is free until `start` stays free.
   STANDOFF_DEVICE double moved(const Triple<double>& center, float radius, double start, int level) const {
     const collision::FieldView& field = task_.target.field;
     const float least = level == 0 ? collision::kWorthwhileTriangleStep * field.spacing : 0;
@@ -79,7 +79,7 @@ class MotionSearch {
                                kEnd, worthwhile);
   }
 
-  // Follows the triangles of those lanes that stopped.
+  // Follows the triangles of the lanes that stopped.
   STANDOFF_DEVICE void follow_all(bool stopped, std::uint32_t index, double time) {
     for (std::uint32_t left = __ballot_sync(kWarp, stopped); left != 0 && verdict_ == DeviceVerdict::free;
          left &= left - 1) {
@@ -95,7 +95,7 @@ class MotionSearch {
     return collision::moving_triangle(query_.motion, corner);
   }
 
-  // One triangle from a time on at which it is free, but at 0.
+  // Follows a triangle from a time at which it is free; at time 0 it may touch.
   STANDOFF_DEVICE void follow(std::uint32_t index, double from) {
     const MovingTriangle triangle = triangle_at(index);
     const double spacing = static_cast<double>(task_.target.field.spacing);
@@ -128,23 +128,23 @@ class MotionSearch {
     return {{low[0], low[1], low[2], high[0], high[1], high[2]}};
   }
 
-  // As far as the field lets the triangle's sphere go.
+  // The time until which the field shows the triangle's sphere to be free.
   STANDOFF_DEVICE double moved_triangle(std::uint32_t index, double start) const {
     const collision::Sphere16& spheres = task_.probe.spheres[0][index / kLanes];
     const std::uint32_t n = index % kLanes;
     return moved({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]}, spheres.radius[n], start, 0);
   }
 
-  // The triangle against `count` of those that wait, from `first` on.
+  // Advances the triangle against `count` of the waiting target triangles, from `first` on.
   STANDOFF_DEVICE void advance(const MovingTriangle& triangle, double t, double until, int first, int count) {
     const int lane = static_cast<int>(lane_in_warp());
     const bool near = lane < count && comes_near(shared_.of_target[first + lane], triangle, t, until);
     if (__ballot_sync(kWarp, near) != 0) verdict_ = DeviceVerdict::undecided;
-    // Other lanes write the next triangles where these were read: votes order no memory, this does.
+    // Order memory, which votes do not: other lanes write the next triangles over these.
     __syncwarp();
   }
 
-  // Whether the triangle may come nearer to one of the target's than twice the distance to be kept, before `until`.
+  // Whether the triangle may come nearer to a target triangle than twice the distance to be kept, before `until`.
   STANDOFF_DEVICE bool comes_near(std::uint32_t of_target, const MovingTriangle& triangle, double t,
                                   double until) const {
     const double keep = static_cast<double>(query_.keep);
@@ -153,7 +153,7 @@ class MotionSearch {
     for (Triple<double>& corner : p) corner = corner - task_.target.middle;
     while (t < until) {
       for (int k = 0; k < 3; ++k) q[k] = query_.motion.at(triangle.offset[k], t);
-      // At the start they may cross, where the distance of edges and corners says nothing.
+      // At the start they may cross: then the distance of edges and corners means nothing.
       if (t == 0) {
         const TriangleOverlap<double> overlap = triangle_overlap(p, q);
         if (overlap.intersecting || overlap.unsure) return true;
@@ -186,7 +186,7 @@ class MotionSearch {
   DeviceVerdict verdict_ = DeviceVerdict::free;  // the same in all lanes
 };
 
-/// Warps take one motion after the other.
+/// Warps take one motion after another.
 __global__ void __launch_bounds__(kSweepThreads) advance_motions(SweepTask task) {
   __shared__ SweepShared shared[kSweepThreads / 32];
   answer_queries<MotionSearch>(task, shared);

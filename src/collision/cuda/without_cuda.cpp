@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands for collision queries on CUDA where standoff is built without a CUDA compiler: it says so.
+// Replaces collision.cu in a build without a CUDA compiler: queries on CUDA throw an error that says so.
 #include "collision/device.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
