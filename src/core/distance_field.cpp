@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields: what they store and where, their samples as dense memory and back, and a summary of their values.
+// Fields: the storage of tiles, conversion to dense memory and back, and a summary of the values.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -38,7 +38,7 @@ void DistanceField::reset(const Grid& grid, double thickness, bool with_nearest)
   const std::int64_t tiles = standoff::tile_count(grid.size);
   if (tiles > std::numeric_limits<std::int32_t>::max())
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) + " tiles are more than 2^31; take fewer samples");
-  // Without a pool the field has no tiles, should memory run out before the end.
+  // Take the pool away first: if memory runs out before the end, the field has no tiles.
   std::unique_ptr<TilePool> pool = std::exchange(pool_, nullptr);
   if (!pool) pool = std::make_unique<TilePool>();
   provenance_ = {};
@@ -59,7 +59,7 @@ DistanceField::~DistanceField() = default;
 DistanceField::DistanceField(DistanceField&& other) noexcept { *this = std::move(other); }
 
 DistanceField& DistanceField::operator=(DistanceField&& other) noexcept {
-  // Each member of `other` becomes what a new field's is; to itself a field can be assigned as well.
+  // Reset each member of `other` to the value of a new field. This also works if a field is assigned to itself.
   provenance_ = std::exchange(other.provenance_, {});
   grid_ = std::exchange(other.grid_, kEmptyGrid);
   thickness_ = std::exchange(other.thickness_, kEmptyThickness);
@@ -206,7 +206,7 @@ void DistanceField::erase_tiles(std::span<const Size3> tiles) try {
   std::vector<std::size_t> entry_of_slot(static_cast<std::size_t>(stored_tiles()));
   for (std::size_t n = 0; n < slots_.size(); ++n)
     if (slots_[n] >= 0) entry_of_slot[static_cast<std::size_t>(slots_[n])] = n;
-  // All are taken out of the table, or none.
+  // Remove all tiles from the table, or none.
   std::vector<std::int32_t> free;
   free.reserve(tiles.size());
   const auto index = [&](const Size3& at) { return static_cast<std::size_t>(tile_index(at.x, at.y, at.z)); };
@@ -222,7 +222,7 @@ void DistanceField::erase_tiles(std::span<const Size3> tiles) try {
     for (std::size_t n = 0; n < free.size(); ++n) slots_[index(tiles[n])] = free[n];
     throw;
   }
-  // The last tile moves into the free slot. From the last slot on, so that the tile that moves is never one of these.
+  // Move the last tile into each free slot. Begin with the last free slot, so that the tile that moves is never free.
   std::ranges::sort(free, std::greater<>());
   for (const std::int32_t slot : free) {
     const auto last = static_cast<std::int32_t>(pool_->size() - 1);
@@ -277,8 +277,6 @@ std::int64_t DistanceField::memory_bytes() const {
   return stored_tiles() * tile_bytes + table_bytes;
 }
 
-// From tiles to dense memory and back.
-
 namespace {
 
 void expect_slices(const Grid& grid, std::int64_t first, std::int64_t count, std::size_t room) {
@@ -289,7 +287,7 @@ void expect_slices(const Grid& grid, std::int64_t first, std::int64_t count, std
         [] { return "slices to copy are out of range or do not fit the memory given; give it a value a sample"; });
 }
 
-// Copies slices into dense memory from the stored tiles `all`, a slot each. What is not stored is `outside` or
+// Copies slices into dense memory from the stored tiles `all`, one per slot. Samples of other tiles are `outside` or
 // `inside`.
 template <class T>
 void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t count, const T* all, T outside, T inside,
@@ -315,11 +313,11 @@ void copy_tiled(const DistanceField& field, std::int64_t first, std::int64_t cou
     }
 }
 
-// One tile's samples, taken from dense memory.
+// A tile's samples from dense memory.
 struct DenseTile {
   std::array<float, kTileSamples> values;
   std::array<std::uint32_t, kTileSamples> nearest;
-  bool outside, inside;  // whether every sample is at least so far away and has no nearest triangle
+  bool outside, inside;  // whether every sample is at least the thickness away and has no nearest triangle
 
   DenseTile(const Grid& grid, float far, const Size3& at, std::span<const float> all_values,
             std::span<const std::uint32_t> all_nearest) {
@@ -395,7 +393,7 @@ void add_value(float value, FieldSummary& found) {
   found.max = std::max(found.max, double{value});
 }
 
-// The samples of a stored tile that lie in the grid.
+// Adds the samples of a stored tile that lie in the grid.
 void add_tile(const DistanceField& field, const DistanceField::Tile& tile, FieldSummary& found) {
   constexpr std::int64_t kSide = kTileSide;
   const Size3& size = field.grid().size;
@@ -415,7 +413,7 @@ FieldSummary inspect(const DistanceField& field) try {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   FieldSummary found{infinity, -infinity};
   for (const DistanceField::Tile& tile : field.tiles()) add_tile(field, tile, found);
-  // A tile that is not stored has one value. A file of few bytes may ask for very many of these.
+  // Count tiles that are not stored as a whole: a small file may have very many of them.
   const auto far = static_cast<float>(field.thickness());
   const std::span<const std::int32_t> slots = field.slots();
   if (slots.empty() || std::ranges::find(slots, DistanceField::kOutside) != slots.end()) add_value(far, found);

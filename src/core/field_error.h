@@ -10,8 +10,8 @@
 
 namespace standoff {
 
-/// Throws Error{usage} with what `message` returns. Out of line: who asks for one sample passes no try block. Nor are
-/// the numbers that a message holds stored for it, as long as it captures them by value.
+/// Throws Error{usage} with the text that `message` returns. It is out of line, so that reading a sample needs no try
+/// block; and `message` should capture by value, so that the caller's numbers can stay in registers.
 template <class Message>
 [[noreturn, gnu::cold, gnu::noinline]] void fail_field(Message message) try {
   throw Error(ErrorCode::usage, "field: " + std::string(message()));
@@ -30,7 +30,7 @@ inline std::string index_text(std::int64_t x, std::int64_t y, std::int64_t z) {
   return text.append(")");
 }
 
-/// For what needs memory: throws what is being handled as the Error it is or stands for.
+/// For functions that allocate: throws the exception being handled again, as an Error.
 [[noreturn]] inline void throw_field_error() { throw_as_error("field", "take fewer samples, or provide more memory"); }
 
 }  // namespace standoff

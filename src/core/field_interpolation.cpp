@@ -16,15 +16,15 @@
 namespace standoff {
 namespace {
 
-// The cell that holds a point, along one axis: its first sample, and where in the cell the point lies.
+// The cell that holds a point, along one axis: its first sample, and the point's place in it, 0 to 1.
 struct AxisCell {
   std::int64_t first = 0;
   std::int64_t second = 0;
   double t = 0;
 };
 
-// Samples that a point may lie beyond the border and still be on it: coordinates of a grid that are computed in single
-// precision, or from the other end, are off by less.
+// A point that lies beyond the border by at most this share of a spacing counts as on it: coordinates that are computed
+// in single precision, or from the other end of the grid, have a smaller error.
 constexpr double kOnBorder = 1e-3;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -69,13 +69,13 @@ CellOfPoint cell_at(const DistanceField& field, Vec3 p) {
   return cell;
 }
 
-// An infinite value at either end with a share in the result makes it infinite, never NaN.
+// If an end has a share in the result and is infinite, the result is infinite, never NaN.
 double mix(double a, double b, double t) {
   if (a == b || t == 0) return a;
   return std::isinf(a) ? a : a + (b - a) * t;
 }
 
-// out[n] = at(points[n]), by many threads.
+// Sets out[n] = at(points[n]), by many threads.
 template <class T, class At>
 void for_all_points(std::span<const Vec3> points, std::span<T> out, const Execution& execution, At at) {
   validate("field", execution, Runs::on_the_cpu);
@@ -84,7 +84,7 @@ void for_all_points(std::span<const Vec3> points, std::span<T> out, const Execut
       return std::to_string(points.size()) + " points have no room in " + std::to_string(out.size()) +
              " results; give room for one each";
     });
-  constexpr std::size_t kAtOnce = 1024;  // points: some tens of microseconds
+  constexpr std::size_t kAtOnce = 1024;  // points of a task: some tens of microseconds
   Threads(execution.threads).run([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kAtOnce), [&](const auto& part) {
       for (std::size_t n = part.begin(); n < part.end(); ++n) out[n] = at(points[n]);
@@ -123,7 +123,7 @@ Vec3 DistanceField::gradient(Vec3 point, Outside outside) const {
   const CellOfPoint cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const double tx = cell.x.t, ty = cell.y.t, tz = cell.z.t;
-  // Difference along one axis, interpolated bilinearly along the two others; `step` is that axis's stride in c.
+  // Interpolate the difference along one axis bilinearly along the two others; `step` is the axis's stride in c.
   const auto slope = [&](int step, int u, double tu, int v, double tv) {
     const auto difference = [&](int n) { return c[n + step] == c[n] ? 0.0 : c[n + step] - c[n]; };
     return mix(mix(difference(0), difference(u), tu), mix(difference(v), difference(u + v), tu), tv);

@@ -12,7 +12,7 @@
 namespace standoff {
 namespace {
 
-// Made while there is memory: to copy an Error takes none.
+// It is made while there is memory; copying an Error takes none.
 const Error kNoMemory(ErrorCode::limit, "not enough memory; use smaller input, or provide more memory");
 
 Error refused(const std::string& place, const std::exception& error) {
@@ -20,7 +20,7 @@ Error refused(const std::string& place, const std::exception& error) {
                place + "the system refused: " + error.what() + "; free some of its resources, or use fewer threads");
 }
 
-// The exception being handled, which is no Error.
+// Turns the exception being handled into an Error.
 Error as_error(const char* where, const char* what_to_do) {
   const std::string place = std::string(where) + ": ";
   try {
@@ -32,7 +32,7 @@ Error as_error(const char* where, const char* what_to_do) {
   } catch (const std::system_error& error) {
     return refused(place, error);
   } catch (const std::exception& error) {
-    // TBB reports so that it got no thread.
+    // TBB reports in this way that it got no thread.
     if (std::string(error.what()).find("pthread_create") != std::string::npos) return refused(place, error);
     return Error(ErrorCode::internal, place + error.what() + "; this is a bug in standoff, please report it");
   } catch (...) {
@@ -54,7 +54,7 @@ void throw_as_error(const char* where, const char* what_to_do) {
     std::optional<Error> error;
     try {
       error = as_error(where, what_to_do);
-    } catch (const std::bad_alloc&) {  // not even the message finds room
+    } catch (const std::bad_alloc&) {  // there is no memory for the message either
       error = kNoMemory;
     }
     throw Error(*error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every public function does: it checks where it is to run, and turns every exception into standoff::Error.
+// The frame of every public function: it checks the execution options, and turns every exception into standoff::Error.
 #pragma once
 
 #include <exception>
@@ -24,17 +24,16 @@ decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
   }
 }
 
-/// For `catch (...)` around a public function: throws what is being handled again, as the Error it is or stands for.
-/// Memory that is not there, and sizes that no memory holds, become Error{limit} with what to do; what the system
-/// refuses Error{limit} too; what a callback threw comes out as it is; all else is a bug, Error{internal}.
+/// For `catch (...)` around a public function: throws the exception being handled again, as an Error. A failed
+/// allocation, and a size beyond all memory, become Error{limit} with advice; so does a refusal of the system. An
+/// exception of a callback passes unchanged. Any other exception is a bug, Error{internal}.
 [[noreturn]] void throw_as_error(const char* where,
                                  const char* what_to_do = "use smaller input, or provide more memory");
 
-/// Which backends a call has.
+/// The backends of a call.
 enum class Runs { everywhere, on_the_cpu };
 
-/// Throws Error{usage}, beginning with `where`, for invalid values, and for a backend the call does not
-/// have.
+/// Throws Error{usage}, beginning with `where`, for invalid values, and for a backend that the call lacks.
 void validate(const char* where, const Execution& execution, Runs runs);
 
 }  // namespace standoff

@@ -18,7 +18,7 @@
 namespace standoff {
 namespace {
 
-// Addresses alone: they cost no memory, nor do they count against what the system promises to its processes.
+// Reserves addresses: they cost no memory, and do not count against the system's limit of committed memory.
 void* reserved_addresses(std::size_t room) {
   void* const at =
       ::mmap(nullptr, room + GrowingMemory::kHugePage, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -36,15 +36,15 @@ void GrowingMemory::reserve(std::size_t bytes) {
   if (bytes <= room_) return;
   release();
   constexpr std::size_t kLeast = std::size_t{1} << 20;
-  // A power of two, so that a little more the next time needs no new room; but no more than asked for where addresses
-  // are counted.
+  // Take a power of two, so that slightly more needs no new room next time; but no more than asked for if addresses are
+  // limited.
   std::size_t room = addresses_are_limited() ? bytes : std::bit_ceil(bytes);
   void* at = reserved_addresses(room);
   while (!at && room / 2 >= kLeast) {
     room /= 2;
     at = reserved_addresses(room);
     if (!at) continue;
-    // All that is left would leave none for others: take half of it.
+    // Take half of the addresses that are left, so that some remain for others.
     ::munmap(at, room + kHugePage);
     room = room / 2 / kLeast * kLeast;
     at = room > 0 ? reserved_addresses(room) : nullptr;
@@ -57,7 +57,7 @@ void GrowingMemory::reserve(std::size_t bytes) {
   std::size_t space = room + kHugePage;
   std::align(kHugePage, room, data_, space);
 #ifdef MADV_HUGEPAGE
-  // A system without them says no, which does no harm.
+  // A system without huge pages refuses, which does no harm.
   if (room > kHugePage)
     static_cast<void>(::madvise(static_cast<char*>(data_) + kHugePage, room - kHugePage, MADV_HUGEPAGE));
 #endif
@@ -73,10 +73,10 @@ void GrowingMemory::resize(std::size_t bytes) {
       throw std::bad_alloc();
     }
   } else if (change < 0) {
-    // New addresses in place of the old ones: that gives the pages back, and their promise.
+    // Map new addresses over the old ones: this returns the pages, and the commitment for them.
     if (::mmap(begin + bytes, size_ - bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1,
                0) == MAP_FAILED)
-      return;  // they stay
+      return;  // the pages stay
     account_pages(change);
   }
   size_ = bytes;
@@ -92,7 +92,7 @@ void GrowingMemory::release() noexcept {
 
 namespace {
 
-// Values and nearest triangles are of the same size.
+// Values and nearest triangles have the same size.
 constexpr std::size_t kTileBytes = sizeof(float) * DistanceField::kTileSamples;
 static_assert(sizeof(float) == sizeof(std::uint32_t));
 
@@ -103,7 +103,7 @@ std::int64_t tiles_in(std::size_t bytes) { return static_cast<std::int64_t>(byte
 
 void TilePool::clear(std::int64_t max_tiles, bool with_nearest) {
   used_ = 0;
-  room_ = 0;  // should memory run out below
+  room_ = 0;  // in case memory runs out below
   with_nearest_ = with_nearest;
   const std::int64_t most = in_steps(max_tiles);
   const auto make_room = [&](GrowingMemory& memory) {
@@ -129,7 +129,7 @@ void TilePool::copy_from(const TilePool& other) {
 
 std::int64_t TilePool::add() {
   std::int64_t slot = used_;
-  // A slot is taken only when its memory is there: what fails leaves the pool as it was, whatever others do meanwhile.
+  // Take a slot only when its memory is there: so a failure leaves the pool unchanged, whatever other threads do.
   do {
     if (slot >= room_) grow(slot + 1);
   } while (!used_.compare_exchange_weak(slot, slot + 1));
@@ -145,7 +145,7 @@ void TilePool::grow(std::int64_t tiles) {
     throw Error(ErrorCode::limit, "field: " + std::to_string(tiles) +
                                       " tiles need more memory addresses than this process may use; raise its limit "
                                       "(RLIMIT_AS), take fewer samples or a smaller thickness");
-  // One of them may be there from before.
+  // One of the arrays may be large enough from before.
   if (bytes > values_.size()) values_.resize(bytes);
   if (with_nearest_ && bytes > nearest_.size()) nearest_.resize(bytes);
   room_ = room;
@@ -153,7 +153,7 @@ void TilePool::grow(std::int64_t tiles) {
 
 double field_bytes(double stored_tiles, double all_tiles, bool with_nearest) {
   constexpr double kTileBytes = sizeof(float) * DistanceField::kTileSamples;
-  // Tiles are fewer than 2^31; what is more fits no memory, and steps do not matter.
+  // A field has fewer than 2^31 tiles; more fit no memory, so steps do not matter there.
   const double tiles = stored_tiles < 0x1p31
                            ? static_cast<double>(TilePool::in_steps(static_cast<std::int64_t>(stored_tiles)))
                            : stored_tiles;
@@ -169,7 +169,7 @@ std::string over_the_limit(double needed, double limit) {
     unit *= 1024;
     name = larger;
   }
-  // Rounded away from each other, so that they differ.
+  // Round away from each other, so that the texts differ.
   char text[96];
   std::snprintf(text, sizeof text, "%.0f %s, more than the limit of %.0f %s", std::ceil(needed / unit), name,
                 std::floor(limit / unit), name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of large work: what grows without moving, the tiles of fields, limits that callers set, and huge pages.
+// Memory of large work: memory that grows without moving, the tiles of fields, limits that callers set, and huge pages.
 #pragma once
 
 #include <atomic>
@@ -19,14 +19,12 @@
 
 namespace standoff {
 
-// Memory that grows without moving: addresses are reserved once, pages are taken from the system step by step.
-
-/// Called before pages are taken (bytes > 0; throws std::bad_alloc to refuse them) and after they are given back
-/// (bytes < 0). Tests replace it as they replace operator new, to count memory and to refuse it.
+/// Called before pages are taken (bytes > 0; it throws std::bad_alloc to refuse them) and after they are returned
+/// (bytes < 0). Tests replace it, as they replace operator new, to count memory and to refuse it.
 inline void (*account_pages)(std::int64_t bytes) = [](std::int64_t) {};
 
-/// Not safe from many threads at once, but what lies below size() may be used while another thread calls resize() with
-/// a larger size.
+/// Memory that grows without moving: it reserves addresses once, and takes pages from the system step by step. It is
+/// not thread-safe, but memory below size() may be used while another thread calls resize() with a larger size.
 class GrowingMemory {
  public:
   GrowingMemory() = default;
@@ -34,57 +32,56 @@ class GrowingMemory {
   GrowingMemory& operator=(const GrowingMemory&) = delete;
   ~GrowingMemory() { release(); }
 
-  /// Reserves addresses for at least `bytes`, so that resize() need not move anything. Keeps the pages where the room
-  /// is large enough already, and gives them back where it is not. Where the process may not use so many addresses
-  /// (RLIMIT_AS), room() is smaller. Throws std::bad_alloc when there are hardly any.
+  /// Reserves addresses for at least `bytes`, so that resize() need not move anything. Keeps the pages if the room is
+  /// large enough already, else returns them. If the process may not use that many addresses (RLIMIT_AS), room() is
+  /// smaller. Throws std::bad_alloc if there are hardly any.
   void reserve(std::size_t bytes);
-  /// Where the system has huge pages, those beyond the first kHugePage are such, if resize() takes whole ones: a tenth
-  /// of the time for 32 MiB.
+  /// If the system has huge pages, memory beyond the first kHugePage uses them, provided that resize() takes whole
+  /// ones: this takes a tenth of the time for 32 MiB.
   static constexpr std::size_t kHugePage = std::size_t{2} << 20;
-  /// Takes or gives back pages, so that the first `bytes` can be used. New ones hold zeros. Requires bytes <= room().
-  /// Throws std::bad_alloc where the system has no memory; nothing has changed then.
+  /// Takes or returns pages, so that the first `bytes` can be used. New pages hold zeros. Requires bytes <= room().
+  /// Throws std::bad_alloc if the system has no memory; nothing has changed then.
   void resize(std::size_t bytes);
-  /// Gives everything back.
+  /// Returns all pages and addresses.
   void release() noexcept;
 
   void* data() const { return data_; }
-  /// How far resize() may go.
+  /// The largest size for resize().
   std::size_t room() const { return room_; }
   std::size_t size() const { return size_; }
 
  private:
-  void* addresses_ = nullptr;  // all that are reserved: kHugePage more than the room
+  void* addresses_ = nullptr;  // the reserved addresses: kHugePage more than the room
   void* data_ = nullptr;       // a multiple of kHugePage
   std::size_t room_ = 0, size_ = 0;
 };
 
-// The memory of a field's stored tiles: one array of values and one of nearest triangles, a slot for each tile.
-
-/// Slots never move, so threads can fill tiles while others add some.
+/// The memory of a field's stored tiles: an array of values and an array of nearest triangles, with a slot for each
+/// tile. Slots never move, so threads can fill tiles while others add some.
 class TilePool {
  public:
-  /// Tiles for which there is memory when so many are stored. Small fields take 512 KiB of values at a time; past 2 MiB
-  /// whole huge pages are taken, whose pages cost a tenth of small ones.
+  /// The number of tiles that memory is taken for if this number is stored. Small fields take 512 KiB of values at a
+  /// time; past 2 MiB the steps are whole huge pages, which cost a tenth of small ones.
   static std::int64_t in_steps(std::int64_t tiles) {
     constexpr std::int64_t kHugePage = GrowingMemory::kHugePage / (sizeof(float) * DistanceField::kTileSamples);
     const std::int64_t step = tiles <= kHugePage ? kHugePage / 4 : kHugePage;
     return (tiles + step - 1) / step * step;
   }
 
-  /// Forgets all tiles. Memory that is there stays for the next ones, as far as so many may use it.
+  /// Removes all tiles. Keeps the memory for the next ones, as far as `max_tiles` can use it.
   void clear(std::int64_t max_tiles, bool with_nearest);
   /// Makes an empty pool a copy of the tiles of another.
   void copy_from(const TilePool& other);
 
-  /// A new slot; its values and nearest triangles mean nothing yet. Safe from many threads. Throws std::bad_alloc, or
-  /// Error{limit} where the process may not use more addresses; the pool is then as it was.
+  /// Adds a slot, whose values and nearest triangles are undefined. Thread-safe. Throws std::bad_alloc, or Error{limit}
+  /// if the process may not use more addresses; the pool is unchanged then.
   std::int64_t add();
-  /// Gives back the memory of the nearest triangles.
+  /// Frees the memory of the nearest triangles.
   void release_nearest() {
     with_nearest_ = false;
     nearest_.release();
   }
-  /// Forgets the last slot.
+  /// Removes the last slot.
   void remove_last() { --used_; }
 
   std::int64_t size() const { return used_; }
@@ -102,30 +99,26 @@ class TilePool {
   GrowingMemory values_, nearest_;
   bool with_nearest_ = false;
   std::atomic<std::int64_t> used_{0};
-  std::atomic<std::int64_t> room_{0};  // tiles for which there is memory
+  std::atomic<std::int64_t> room_{0};  // the number of tiles that there is memory for
   std::mutex growing_;
 };
 
-// How much memory a field takes, and the error of a limit that is too small.
-
-/// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
+/// Bytes of a DistanceField that stores `stored_tiles` of the `all_tiles` of its grid.
 double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
 
-/// "161 MiB, more than the limit of 160 MiB": requires needed > limit, and shows it.
+/// "161 MiB, more than the limit of 160 MiB". Requires needed > limit; the text shows the difference.
 std::string over_the_limit(double needed, double limit);
 /// The same as data.
 ErrorDetails limit_details(double needed, double limit);
 
-// Counts the bytes that a call holds, against the limit that its caller set.
-
-/// May be used by many threads at once.
+/// Counts the bytes that a call holds against its caller's limit. Thread-safe.
 class MemoryBudget {
  public:
-  /// `limit`: bytes; 0 is none. `where` begins its errors, and `what_to_do` ends them.
+  /// `limit`: bytes; 0 for none. `where` begins the error's text, and `what_to_do` ends it.
   MemoryBudget(const char* where, std::int64_t limit, const char* what_to_do)
       : where_(where), what_to_do_(what_to_do), limit_(limit) {}
 
-  /// To be called before so many bytes are allocated. Throws Error{limit} where they are too many.
+  /// Must be called before `bytes` are allocated. Throws Error{limit} if they are too many.
   void take(std::size_t bytes) {
     const std::int64_t needed =
         held_.fetch_add(static_cast<std::int64_t>(bytes), std::memory_order_relaxed) + static_cast<std::int64_t>(bytes);
@@ -146,7 +139,7 @@ class MemoryBudget {
   std::atomic<std::int64_t> held_{0};
 };
 
-/// What is held for as long as this lives.
+/// The bytes that are held while this lives.
 class MemoryShare {
  public:
   explicit MemoryShare(MemoryBudget& budget) : budget_(budget) {}
@@ -165,8 +158,8 @@ class MemoryShare {
   std::size_t bytes_ = 0;
 };
 
-// Arrays that are read or written at random indices: on huge pages where the system has them, for otherwise much of the
-// time goes into TLB misses (collide takes 1.4 times as long without, points near a small mesh 1.15 times).
+// Arrays that are read or written at random indices lie on huge pages if the system has them: otherwise much of the
+// time goes into TLB misses (collide takes 1.4 times as long, points near a small mesh 1.15 times).
 
 template <class T>
 struct HugePageAllocator {
@@ -183,7 +176,7 @@ struct HugePageAllocator {
     const std::size_t bytes = count * sizeof(T);
     void* const memory = ::operator new (bytes, std::align_val_t{alignment(bytes)});
 #ifdef __linux__
-    // Whole pages only; a system that has none to give says no, which does no harm.
+    // Ask for whole pages only. A system without them refuses, which does no harm.
     if (bytes >= kHugePage) static_cast<void>(::madvise(memory, bytes & ~(kHugePage - 1), MADV_HUGEPAGE));
 #endif
     return static_cast<T*>(memory);
@@ -200,10 +193,8 @@ struct HugePageAllocator {
 template <class T>
 using HugePageVector = std::vector<T, HugePageAllocator<T>>;
 
-// Asks for huge pages for fresh memory, whose first use is then several times faster.
-
-/// For the whole huge pages of memory that nobody has written to. A system that has none to give says no, which does no
-/// harm.
+/// Asks for huge pages for fresh memory, which nobody has written to: its first use is then several times faster. A
+/// system without huge pages refuses, which does no harm.
 inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef __linux__
   constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes: their bounds, whether they can be computed with, and a hash of their content.
+// Meshes: bounds, validation, and a hash of the content.
 #include "standoff/mesh.h"
 
 #include <tbb/blocked_range.h>
@@ -19,7 +19,7 @@
 namespace standoff {
 namespace {
 
-// Throws Error{input} about one triangle.
+// Throws Error{input} about a triangle.
 [[noreturn]] void fail_triangle(std::size_t triangle, const std::string& what) {
   throw Error(ErrorCode::input, "mesh: triangle " + std::to_string(triangle) + ": " + what + "; repair the mesh",
               {.triangle = static_cast<std::int64_t>(triangle)});
@@ -47,18 +47,16 @@ Box bounds(MeshView mesh) try {
   throw_as_error("mesh");
 }
 
-// Whether a mesh can be computed with.
-
 namespace {
 
-// Their indices fit in 32 bits.
+// Vertex indices fit in 32 bits.
 constexpr std::uint64_t kMaxVertices = 0xffff'ffffu;
 
-// Both go through memory in its own order, which is several times faster than from corner to corner.
+// Vertices and triangles are checked in the order of memory, which is several times faster than corner by corner.
 using VertexRange = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kVertexGrain = 16384;
 
-// Packed arrays in a loop of their own, which the compiler makes wide.
+// Packed arrays have their own loop, which the compiler vectorises.
 template <class Array, class Look>
 void each_in_memory(const Array& array, const VertexRange& positions, Look look) {
   if (const auto packed = array.as_span())
@@ -98,7 +96,7 @@ void validate(MeshView mesh) try {
                                       std::to_string(kMaxTriangles) + " over " + std::to_string(kMaxVertices) +
                                       "; split the mesh");
   if (indices_in_range(mesh) && vertices_finite(mesh)) return;
-  // Something is wrong, or a vertex that nothing uses is not finite: corner by corner.
+  // Something is wrong, or an unused vertex is not finite: check corner by corner.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle triangle = mesh.triangles[t];
     for (int k = 0; k < 3; ++k) {
@@ -111,13 +109,11 @@ void validate(MeshView mesh) try {
   throw_as_error("mesh");
 }
 
-// A hash of the content of a mesh.
-
 namespace {
 
 constexpr std::uint64_t mixed(std::uint64_t h, std::uint64_t value) { return splitmix64(h ^ value); }
 
-// The hash of word(0), ..., word(count - 1) in eight chains side by side: one chain would wait for its own
+// The hash of word(0), ..., word(count - 1), in eight independent chains: a single chain would wait for its own
 // multiplications, and compute() hashes every mesh.
 template <class Word>
 std::uint64_t hash_of_words(std::size_t count, Word word) {

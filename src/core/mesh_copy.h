@@ -6,7 +6,7 @@
 
 namespace standoff {
 
-/// The same mesh, whatever the layout of the other one, which must be valid.
+/// A packed copy of a valid mesh in any layout.
 inline Mesh copy_of(const MeshView& mesh) {
   const auto all = [](const auto& array, auto& to) {
     if (const auto packed = array.as_span()) {

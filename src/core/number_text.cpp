@@ -6,7 +6,7 @@
 namespace standoff {
 namespace {
 
-// std::to_chars with room for every double written out.
+// Calls std::to_chars with room for every double without exponent.
 template <class... Arguments>
 std::string written(Arguments... arguments) {
   std::array<char, 320> text;

@@ -10,18 +10,18 @@
 
 namespace standoff {
 
-/// For people, in six digits: "0.02", "1e+21".
+/// Text for people, with six digits: "0.02", "1e+21".
 std::string number_text(double value);
 /// The shortest text that reads back as the same number; "inf" for infinity.
 std::string exact_text(double value);
 std::string exact_text(float value);
-/// Rounded to a whole number, without exponent: "300000000000000000000000".
+/// The number rounded to a whole one, without exponent: "300000000000000000000000".
 std::string whole_text(double value);
 /// "0x" and 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 std::optional<std::uint64_t> hash_in(std::string_view text);
 
-/// The number that is the whole text, or nothing. Doubles may be "inf" and "nan".
+/// Reads a number; nothing unless it is the whole text. Doubles may be "inf" and "nan".
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number number{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress of long work, counted by many threads and reported to the caller by one at a time.
+// The progress of long work: many threads count it, one at a time reports it to the caller.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ class ProgressMeter {
     tell();
   }
 
-  /// Lets the caller stop long work that is no step of its own, from any thread. Throws as advance() does.
+  /// Lets the caller stop work in the middle of a step, from any thread. Throws Error{interrupted}.
   void check() { advance(0); }
 
   /// Counts finished steps, from any thread. Throws Error{interrupted} once the caller has asked to stop.
@@ -63,13 +63,13 @@ class ProgressMeter {
   std::mutex calling_;
 };
 
-/// Of one thread: counts its work, and checks the progress now and then.
+/// Counts the work of one thread, and checks the progress now and then.
 class WorkCheck {
  public:
-  /// Checks after so much work, in whatever unit: some ten milliseconds of it at the most.
+  /// Checks the progress after `often` units of work, which should take at most some ten milliseconds.
   WorkCheck(ProgressMeter& progress, std::int64_t often) : progress_(&progress), often_(often), left_(often) {}
 
-  /// Throws as ProgressMeter::check() does.
+  /// Throws Error{interrupted}.
   void add(std::int64_t work) {
     left_ -= work;
     if (left_ > 0) return;

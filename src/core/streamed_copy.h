@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies past the caches: for memory that nobody reads soon, several times faster than a copy that first reads what it
-// overwrites.
+// Copies that bypass the caches, for memory that nobody reads soon: they are several times faster, as a plain copy
+// first reads the memory that it overwrites.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace standoff {
 
-/// One thread's copies. Others see them after it is destroyed.
+/// The copies of one thread. Other threads see them after its destruction.
 class StreamedCopies {
  public:
   StreamedCopies() = default;

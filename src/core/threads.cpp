@@ -8,26 +8,26 @@
 namespace standoff {
 namespace {
 
-// Arenas that no call uses, and for how many threads each of them is. Calls at the same time and of different numbers
-// of threads need one each; the number of places is arbitrary, an idle arena takes some KB.
+// A place for an idle arena. Calls at the same time, and calls with different numbers of threads, need an arena each.
+// The number of places is arbitrary: an idle arena takes some KB.
 struct ArenaPlace {
   std::atomic<tbb::task_arena*> arena{nullptr};
-  std::atomic<int> threads{0};  // of the arena that came last: where to look
+  std::atomic<int> threads{0};  // a hint: the number of threads of the last arena in this place
 };
 constexpr std::size_t kArenaPlaces = 16;
-// They are never destroyed: threads may end later than this library.
+// The arenas are never destroyed: threads may end later than this library.
 std::array<ArenaPlace, kArenaPlaces> kept_arenas;
 std::atomic<std::size_t> next_arena_to_go{0};
 
 void give_back_arena(tbb::task_arena* arena) {
-  const int threads = arena->max_concurrency();  // asked now: once it is in its place, others may take and delete it
+  const int threads = arena->max_concurrency();  // read it now: once in its place, others may take and delete the arena
   for (ArenaPlace& place : kept_arenas) {
     tbb::task_arena* none = nullptr;
     if (!place.arena.compare_exchange_strong(none, arena)) continue;
     place.threads.store(threads, std::memory_order_relaxed);
     return;
   }
-  // All are taken: one of them gives way.
+  // All places are taken: replace one arena.
   ArenaPlace& place = kept_arenas[next_arena_to_go.fetch_add(1, std::memory_order_relaxed) % kArenaPlaces];
   place.threads.store(threads, std::memory_order_relaxed);
   delete place.arena.exchange(arena);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel work: the threads that a call takes, what each of them has to itself, and the middle of a parallel counting
-// sort.
+// Parallel work: the threads of a call, data of each thread, and the middle step of a parallel counting sort.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -17,11 +16,11 @@
 
 namespace standoff {
 
-/// As many as asked for; where that is 0, as many as the caller may use.
+/// The number of threads asked for; if it is 0, the number that the caller may use.
 inline int thread_count(int asked) { return asked > 0 ? asked : std::max(1, tbb::this_task_arena::max_concurrency()); }
 
-/// A TBB arena of its own for a call, out of those that calls before it have left. TBB frees an arena long after its
-/// last use: one for each call would let memory grow. No lock is taken, so a process that was forked may go on.
+/// A TBB arena for a call, reused from earlier calls. TBB frees an arena long after its last use, so a new one for each
+/// call would let memory grow. It takes no lock, so a forked process may go on.
 class BorrowedArena {
  public:
   explicit BorrowedArena(int threads);
@@ -35,7 +34,7 @@ class BorrowedArena {
   tbb::task_arena* arena_;
 };
 
-/// Runs work on thread_count(asked) threads. TBB by itself takes no more than there are cores, and says so on stderr.
+/// Runs work on thread_count(asked) threads. TBB by itself takes at most one thread per core, and warns on stderr.
 class Threads {
  public:
   explicit Threads(int asked) : count_(thread_count(asked)) {
@@ -46,11 +45,11 @@ class Threads {
 
   int count() const { return count_; }
 
-  /// The calling thread, while it waits, takes up no task from outside of the work; and what cancels a task from which
-  /// it was called does not cancel the work, which would look as if it was done.
+  /// While the calling thread waits, it takes up no task from outside of the work. If the caller is a task and is
+  /// cancelled, the work is not: it would look as if it were done.
   template <class Work>
   auto run(const Work& work) {
-    // Outside of tasks, the arena that the thread is in has nothing to cancel.
+    // Outside of tasks, nothing can cancel the work in the thread's own arena.
     if (!tbb::task::current_context() && tbb::this_task_arena::max_concurrency() == count_)
       return tbb::this_task_arena::isolate(work);
     const BorrowedArena arena(count_);
@@ -62,16 +61,16 @@ class Threads {
   std::optional<tbb::global_control> more_;
 };
 
-/// One T for each slot of the TBB arena of the thread that makes this, made when the slot is first used. Unlike
-/// tbb::enumerable_thread_specific, which has one for every thread that ever comes by, there are never more than the
-/// arena has slots: so its memory is known beforehand. An arena has at least two slots.
+/// A T for each slot of the TBB arena of the thread that makes this, made when the slot is first used. Unlike
+/// tbb::enumerable_thread_specific, which has one for every thread that ever uses it, it never has more than the arena
+/// has slots: so its memory is known beforehand. An arena has at least two slots.
 template <class T>
 class PerThread {
  public:
   explicit PerThread(std::function<T()> make = [] { return T(); })
       : make_(std::move(make)), all_(static_cast<std::size_t>(std::max(2, tbb::this_task_arena::max_concurrency()))) {}
 
-  /// The calling thread's, which is in that arena.
+  /// The T of the calling thread, which must be in that arena.
   T& local() {
     std::unique_ptr<T>& mine = all_.at(static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()));
     if (!mine) mine = std::make_unique<T>(make_());
@@ -89,9 +88,9 @@ class PerThread {
   std::vector<std::unique_ptr<T>> all_;
 };
 
-/// A T that the calling thread keeps from one use to the next, for memory that would otherwise be taken and given back
-/// by each call. Who uses it has it alone, until this is destroyed: where the thread uses another one in between, as a
-/// callback may, that is a new one.
+/// A T that the calling thread keeps from one use to the next, so that calls need not allocate its memory again. Until
+/// this is destroyed, the T is not shared: if the thread makes a second KeptByThread<T> meanwhile, as a callback may,
+/// it gets a new T.
 template <class T>
 class KeptByThread {
  public:
@@ -114,9 +113,9 @@ class KeptByThread {
   std::unique_ptr<T> mine_;
 };
 
-/// `counts` holds, for each part of the input, how many of its items belong to each of `keys` keys. Each count becomes
-/// the place of its first item in the sorted output: by key, then by part. Calls begins(key, place) for each key in
-/// order, and returns the number of items.
+/// The middle step of a counting sort. `counts` holds, for each part of the input, the number of items of each of
+/// `keys` keys. Replaces each count by the place of its first item in the output, which is sorted by key, then by part.
+/// Calls begins(key, place) for each key in order, and returns the number of items.
 template <class Parts, class Begins>
 auto places_from_counts(Parts& counts, std::size_t keys, const Begins& begins) {
   auto total = typename Parts::value_type::value_type{0};

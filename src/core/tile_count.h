@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The size of tiles of samples, and how many of them a grid has.
+// The size of tiles, and their number in a grid.
 #pragma once
 
 #include "standoff/field.h"
 
 namespace standoff {
 
-/// Samples of a tile along an axis, and all of them.
+/// Samples of a tile: along an axis, and in all.
 inline constexpr int kTileSide = DistanceField::kTileSide, kTileSamples = DistanceField::kTileSamples;
 
-/// Tiles along an axis of so many samples; the last one may be cut.
+/// Tiles along an axis with this number of samples; the last one may be cut.
 constexpr std::int64_t tiles_along(std::int64_t samples) { return DistanceField::tiles_of({samples, 1, 1}).x; }
 /// Tiles of a grid. Requires a valid grid: at most 2^62 samples.
 constexpr std::int64_t tile_count(const Size3& samples) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values that calls take, and which of them are legal: grids, also those around boxes, poses, and where work runs;
-// and the version.
+// The values that calls take, and their validation: grids, grids around boxes, poses, and execution; and the version.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,7 +31,7 @@ Box grown_by(const Box& box, Vec3 by) {
   return grown;
 }
 
-// How far the padding reaches along axes.
+// The length of the padding along the axes.
 class Reach {
  public:
   Reach(const Box& box, const Padding& padding) : padding_(padding) {
@@ -45,11 +44,11 @@ class Reach {
     side_ = box.longest_side();
   }
 
-  /// Along an axis of which the spacing is known.
+  /// The padding along an axis with this spacing.
   double by_spacing(double spacing) const {
     return combined(padding_.least_samples * spacing, padding_.samples * spacing);
   }
-  /// Along an axis with so many cells, of which those that are not padding cover the extent.
+  /// The padding along an axis with this number of cells, of which the cells without the padding cover the extent.
   double by_cells(double extent, double cells) const {
     const auto grown = [&](double samples) {
       if (samples == 0 || extent == 0 || cells == 0) return 0.0;
@@ -72,7 +71,8 @@ class Reach {
   double side_;
 };
 
-// Samples so that (samples - 1) * spacing covers the extent. Quotients within rounding of a whole number count as it.
+// The number of samples for which (samples - 1) * spacing covers the extent. A quotient within rounding of a whole
+// number counts as that number.
 std::int64_t covering(double extent, double spacing) {
   const double cells = extent / spacing;
   if (!(cells < 0x1p40)) fail_at_limit("more than 2^40 samples on a side; take a larger spacing");
@@ -181,7 +181,8 @@ Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation) try {
     throw Error(
         ErrorCode::usage,
         "pose: the axis needs a direction, and all numbers must be finite; give an axis of any length but zero");
-  // A power of two changes no digit of the direction, and keeps the squares of the smallest and largest within range.
+  // Scale by a power of two: it changes no digit of the direction, and keeps squares of the smallest and largest
+  // numbers within range.
   const int exponent = -std::ilogb(largest);
   const Vec3 scaled{std::scalbn(axis.x, exponent), std::scalbn(axis.y, exponent), std::scalbn(axis.z, exponent)};
   const Vec3 u = scaled * (1 / length(scaled));
@@ -226,7 +227,7 @@ void validate(const char* where, const Execution& execution, Runs runs) {
          ", or 0 for all");
   if (execution.device < 0)
     fail("there is no device " + std::to_string(execution.device) + "; devices are counted from 0");
-  // Numbers that were cast to an enumeration.
+  // A caller may have cast any number to an enumeration.
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
   if (!one_of(execution.backend, Backend::cuda) && execution.backend != testing::kEmulated)
     fail("there is no such backend; take one of enum Backend");

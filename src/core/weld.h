@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact weld: equal positions become one vertex, in parallel, with numbers that do not depend on the threads.
+// Exact welding: equal positions become one vertex. It is parallel, and its result does not depend on the threads.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -24,19 +24,19 @@ namespace standoff {
 /// The most positions that can be welded: numbers are 32-bit and one value marks free slots.
 inline constexpr std::uint64_t kMaxWeld = std::numeric_limits<std::uint32_t>::max() - 1;
 
-/// Added to a position it turns -0 into +0 and leaves everything else: welded vertices look the same whichever of
-/// several equal positions came first.
+/// Adding this to a position turns -0 into +0 and changes nothing else: so a welded vertex has the same bits, whichever
+/// of several equal positions came first.
 inline constexpr Vec3 kPositiveZero{0, 0, 0};
 
 namespace weld_detail {
 
-// Positions of one block are first welded among themselves, in a table that stays in the second-level cache: files list
-// neighbouring triangles together, so that most duplicates never reach the shared table.
+// First the positions of a block are welded among themselves, in a table that stays in the second-level cache: files
+// list neighbouring triangles together, so most duplicates never reach the shared table.
 constexpr std::uint32_t kBlock = 1 << 14;
 constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint32_t kAhead = 24;  // positions between the request for a slot and its use
+constexpr std::uint32_t kAhead = 24;  // slots are prefetched this many positions ahead
 
-// By bits, so that a NaN equals itself and a million of them do not become a million slots in a row.
+// Compares bits, so that a NaN equals itself and a million of them do not become a million slots in a row.
 inline bool same(Vec3 a, Vec3 b) {
   return position_bits(a.x) == position_bits(b.x) && position_bits(a.y) == position_bits(b.y) &&
          position_bits(a.z) == position_bits(b.z);
@@ -51,7 +51,7 @@ void for_each_block(std::uint32_t count, const Body& body) {
   });
 }
 
-// Sets first[i] to the first equal position in i's block, and returns how many there are in the block.
+// Sets first[i] to the first equal position in i's block; returns the number of distinct positions of the block.
 template <class Position>
 std::uint32_t weld_block(std::uint32_t begin, std::uint32_t end, const Position& position, std::uint32_t* first) {
   constexpr std::uint16_t free = 0xffff;
@@ -72,8 +72,8 @@ std::uint32_t weld_block(std::uint32_t begin, std::uint32_t end, const Position&
   return distinct;
 }
 
-// Slots hold the lowest number of all equal positions seen so far. A slot's position never changes, its number only
-// falls: whatever the threads do, the end is the same up to the choice of slots, which nothing outside depends on.
+// A slot holds the lowest number of all equal positions so far. Its position never changes, and its number only falls:
+// so the threads decide nothing but the choice of slots, which no result depends on.
 template <class Position>
 class SharedTable {
  public:
@@ -115,12 +115,12 @@ class SharedTable {
 
 }  // namespace weld_detail
 
-/// Numbers the distinct ones among vertex.size() positions in the order of their first appearance: vertex[i] becomes
-/// the number of position(i), and numbers agree exactly where the positions are equal (-0 equals +0). Returns how many
-/// there are. So vertex[i] equals the count of distinct positions before i where, and only where, position(i) is new.
+/// Numbers the distinct positions, of vertex.size(), in the order of their first appearance: vertex[i] becomes the
+/// number of position(i); two numbers are equal if and only if the positions are (-0 equals +0). Returns the number of
+/// distinct positions. So vertex[i] equals the number of distinct positions before i if and only if position(i) is new.
 /// `position(i)` returns a Vec3, always the same one, from any thread. Requires vertex.size() <= kMaxWeld.
 /// Linear; up to 12 bytes of scratch per position that is new in its block.
-/// `check()` is called now and then, from any thread; what it throws ends the work.
+/// `check()` is called now and then, from any thread; an exception from it ends the work.
 template <class Position, class Check>
 std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex, const Check& check) {
   using namespace weld_detail;
@@ -141,7 +141,7 @@ std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex, co
   for_each_block(count, [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t i = begin; i < end; ++i) {
       if (end - i > kAhead && vertex[i + kAhead] == i + kAhead) table.prefetch(i + kAhead);
-      // Every number below i has already become a slot.
+      // All entries below i hold slots by now.
       vertex[i] = vertex[i] == i ? table.insert(i) : vertex[vertex[i]];
     }
   });
@@ -154,8 +154,8 @@ std::uint32_t weld(const Position& position, std::span<std::uint32_t> vertex, co
   std::uint32_t total = 0;
   for (std::uint32_t& fresh : new_in_block) total += std::exchange(fresh, total);
 
-  // The number that replaces i is at most i, and all other positions of the slot come after i: none takes it for
-  // itself.
+  // The number that replaces i is at most i, and all other positions of the slot come after i: so none mistakes it for
+  // its own.
   for_each_block(count, [&](std::uint32_t block, std::uint32_t begin, std::uint32_t end) {
     std::uint32_t next = new_in_block[block];
     for (std::uint32_t i = begin; i < end; ++i)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The point of a triangle that is closest to the origin, its barycentric coordinates, and what part of the triangle it
-// lies on: without branches, for double and for eight doubles at once. No operation is fused.
+// The point of a triangle that is closest to the origin, its barycentric coordinates, and its feature: face, edge or
+// vertex. It has no branches, and works for double and for eight doubles at once. No operations are fused.
 //
 // Candidates are the closest points of the three edges, and the foot of the perpendicular if it is inside. Each is a
-// point of the triangle, whatever rounding does to needles: the nearest one counts, and an edge goes before the face.
-// So a distance is never too small. It is too large by a few 1e-16 of the largest corner's distance, or where that is
-// less, of the triangle's width.
+// point of the triangle, whatever rounding does to needles. The nearest one counts; an edge wins a tie with the face.
+// So a distance is never too small. It is too large by at most a few 1e-16 of the farthest corner's distance, or of the
+// triangle's width if that is less.
 #pragma once
 
 #include "geometry/closest_pair.h"
@@ -16,11 +16,11 @@ namespace standoff {
 template <class F>
 struct ClosestPart {
   Triple<F> point;
-  Triple<F> weights;  ///< of the three corners
-  F feature;          ///< as a number of enum Feature: 0 the face, 1 to 3 edges, 4 to 6 vertices
+  Triple<F> weights;  ///< the weights of the three corners
+  F feature;          ///< a number of enum Feature: 0 the face, 1 to 3 edges, 4 to 6 vertices
   F distance_sq;
-  Triple<F> normal;  ///< of the triangle; its length is twice the area
-  F side_sq;         ///< of the longest side
+  Triple<F> normal;  ///< the triangle's normal; its length is twice the area
+  F side_sq;         ///< the square of the longest side
 };
 
 /// The closest point of the edge from corner `k` at `a` to the next one at `b`.
@@ -75,7 +75,7 @@ STANDOFF_INLINE ClosestPart<F> closest_part(const Triple<F>& a, const Triple<F>&
   look_at_edge<1>(b, c, best);
   look_at_edge<2>(c, a, best);
 
-  // Twice the areas that the foot makes with each edge, times the normal's length.
+  // Compute twice the areas of the triangles of the foot and each edge, times the normal's length.
   const F of_a = plain_dot(best.normal, plain_cross(b, c)), of_b = plain_dot(best.normal, plain_cross(c, a)),
           of_c = plain_dot(best.normal, plain_cross(a, b));
   const auto inside = less(zero, min(of_a, min(of_b, of_c)));
@@ -91,13 +91,13 @@ STANDOFF_INLINE ClosestPart<F> closest_part(const Triple<F>& a, const Triple<F>&
   return best;
 }
 
-/// The direction in which the distance grows at the origin; for points within 1e-9 of the longest side, the unit normal
-/// times `orientation` (1 or -1), or, for an orientation of 0, the unit normal on the origin's side. (0, 0, 1) there if
-/// the triangle has no area that can be told from rounding.
+/// The direction in which the distance grows at the origin. For points nearer than 1e-9 of the longest side it is the
+/// unit normal times `orientation` (1 or -1), or, if `orientation` is 0, the unit normal on the origin's side; and
+/// (0, 0, 1) if the triangle's area is no larger than rounding.
 template <class F>
 struct Slope {
   Triple<F> direction;
-  F is_near;  ///< 1 where the point counts as one of the surface, else 0
+  F is_near;  ///< 1 if the point counts as on the surface, else 0
 };
 template <class F>
 STANDOFF_INLINE Slope<F> slope_of(const ClosestPart<F>& part, const Triple<F>& corner, const F& orientation) {
@@ -115,20 +115,20 @@ STANDOFF_INLINE Slope<F> slope_of(const ClosestPart<F>& part, const Triple<F>& c
   return {select(is_far, part.point * away, near), select(is_far, zero, one)};
 }
 
-// The point of a triangle that is closest to the origin, by the region of the triangle that the origin lies over
-// (Ericson, Real-Time Collision Detection, 5.1.5). A third of the work of closest_part(), for triangles that are wide
-// enough; less where several points are near one triangle, which is prepared once.
+// The same by the region of the triangle that the origin lies over (Ericson, Real-Time Collision Detection, 5.1.5), for
+// triangles that are wide enough. It takes a third of the work of closest_part(), and less if several points are near
+// one triangle, which is prepared once.
 //
-// With R the distance of the farthest corner, s the longest side, h the altitude on it and e the unit of rounding, the
-// normal errs by a few s s e, so a weight does by a few R / h s / h e. A region that is wrong for its rounding moves
-// the point by no more, because regions meet where their points do. So the answer is sound where h is no small share of
-// R; nor is it near the surface, where what the point is off by is much beside the way to it.
+// Let R be the distance of the farthest corner, s the longest side, h the altitude on it and e the unit of rounding.
+// The error of the normal is a few s s e, so the error of a weight is a few R / h s / h e. If rounding picks a wrong
+// region, the point moves by no more, because regions meet where their points do. So the answer is sound if h is no
+// small share of R. It is not sound near the surface, where the point's error is large compared with its distance.
 
-/// Closer points than this share of R, squared, may be on the surface.
+/// Points with a smaller squared distance than this share of R R may be on the surface.
 inline constexpr double kQuickLeastDistanceSq = 1e-12;
 
 /// Whether answers are sound: the altitude on the longest side is no small share of R, and squares of squares are
-/// normal numbers. Of twice the area, the longest side and 2 R R, all squared but the last.
+/// normal numbers. The arguments are the squares of twice the area and of the longest side, and 2 R R.
 template <class F>
 STANDOFF_INLINE auto is_wide_enough(const F& area_sq, const F& side_sq, const F& far_sq) {
   constexpr double kLeastHeight = 0x1p-10, kLeastAreaSq = 1e-200, kMostSq = 0x1p180;
@@ -136,14 +136,14 @@ STANDOFF_INLINE auto is_wide_enough(const F& area_sq, const F& side_sq, const F&
          less(max(side_sq * far_sq * F(kLeastHeight * kLeastHeight), F(kLeastAreaSq)), area_sq);
 }
 
-/// What quick_part() knows of a triangle, wherever the point is.
+/// A triangle prepared for quick_part().
 template <class F>
 struct QuickTriangle {
   Triple<F> ab, ac;
-  Triple<F> to_b, to_c;            ///< along which the weights of b and c grow, times area_sq
-  F ab_sq, ac_sq, bc_sq, between;  ///< the sides' squares, and dot(ab, ac)
-  F area_sq;                       ///< of twice the area
-  F side_sq;                       ///< of the longest side
+  Triple<F> to_b, to_c;            ///< the gradients of the weights of b and c, times area_sq
+  F ab_sq, ac_sq, bc_sq, between;  ///< the squares of the sides, and dot(ab, ac)
+  F area_sq;                       ///< the square of twice the area
+  F side_sq;                       ///< the square of the longest side
 };
 
 template <class F>
@@ -158,30 +158,30 @@ STANDOFF_INLINE QuickTriangle<F> quick_triangle(const Triple<F>& a, const Triple
   return t;
 }
 
-/// The closest point of a triangle, relative to the point asked. `Where` is a mask: in one of the seven regions, if
-/// the answer is sound.
+/// The closest point of a triangle, relative to the query point. `Where` is a mask. If the answer is sound, exactly one
+/// of the seven regions is set.
 template <class F, class Where>
 struct QuickPart {
   Where at_a, at_b, at_c, is_ab, is_bc, is_ca;
-  Where is_sound;  ///< off by 1e-12 R, and the weights by 1e-12
+  Where is_sound;  ///< the error of the point is at most 1e-12 R, of the weights 1e-12
   F v, w;          ///< the weights of b and c
   Triple<F> point;
   F distance_sq;
 };
 
-/// Of the point that is `p` away from the triangle's first corner.
+/// The part for the point at `p` from the triangle's first corner.
 template <class F>
 STANDOFF_INLINE auto quick_part(const QuickTriangle<F>& t, const Triple<F>& p) {
   const F zero(0.0), one(1.0);
   QuickPart<F, decltype(less(zero, one))> part;
-  // Where the foot on each edge is, from one end and from the other, times the length of the edge.
+  // Find the foot on the line of each edge: its distances from both ends, times the length of the edge.
   const F on_ab = dot(t.ab, p), on_ac = dot(t.ac, p);
   const F of_ba = t.ab_sq - on_ab, of_ca = t.ac_sq - on_ac;
   const F on_bc = (on_ac - t.between) + of_ba, of_cb = (on_ab - t.between) + of_ca;
-  // Weights of the foot on the plane, times area_sq.
+  // Find the weights of the foot on the plane, times area_sq.
   const F of_b = dot(t.to_b, p), of_c = dot(t.to_c, p), of_a = (t.area_sq - of_b) - of_c;
 
-  // On the borders between the regions, as where rounding leaves none, there is no answer.
+  // Find the region. On the borders between regions, and where rounding leaves no region, there is no answer.
   part.at_a = less(max(on_ab, on_ac), zero);
   part.at_b = less(max(of_ba, on_bc), zero);
   part.at_c = less(max(of_ca, of_cb), zero);
@@ -190,7 +190,7 @@ STANDOFF_INLINE auto quick_part(const QuickTriangle<F>& t, const Triple<F>& p) {
   part.is_ca = less(of_b, zero) & less(zero, min(on_ac, of_ca));
   const auto is_face = less(zero, min(of_a, min(of_b, of_c)));
 
-  // Shares of b and c, and what they are shares of. At the corners they are known.
+  // Find the weights of b and c as quotients with the denominator `all`. At the corners they are constants.
   const F all = select(part.is_ab, t.ab_sq, select(part.is_bc, t.bc_sq, select(part.is_ca, t.ac_sq, t.area_sq)));
   const F share = one / all;
   const F v = min(select(part.is_bc, of_cb, select(part.is_ab, on_ab, of_b)) * share, one);
@@ -203,21 +203,21 @@ STANDOFF_INLINE auto quick_part(const QuickTriangle<F>& t, const Triple<F>& p) {
   part.point = {along(t.ab.x, t.ac.x, p.x), along(t.ab.y, t.ac.y, p.y), along(t.ab.z, t.ac.z, p.z)};
   part.distance_sq = dot(part.point, part.point);
 
-  const F far_sq = (dot(p, p) + t.side_sq) * F(2.0);  // R R at most
+  const F far_sq = (dot(p, p) + t.side_sq) * F(2.0);  // at least R R
   part.is_sound = (part.at_a | part.at_b | part.at_c | part.is_ab | part.is_bc | part.is_ca | is_face) &
                   is_wide_enough(t.area_sq, t.side_sq, far_sq) &
                   less(far_sq * F(kQuickLeastDistanceSq), part.distance_sq);
   return part;
 }
 
-/// Of the three corners. Those that the feature says are zero are.
+/// The weights of the three corners. A weight is exactly zero if the feature implies it.
 template <class F, class Where>
 STANDOFF_INLINE Triple<F> weights_of(const QuickPart<F, Where>& part) {
   const F of_a = (F(1.0) - part.v) - part.w;
   return {select(part.is_bc | part.at_b | part.at_c, F(0.0), of_a), part.v, part.w};
 }
 
-/// What the point lies on, as a number of enum Feature: 0 the face, 1 to 3 edges, 4 to 6 vertices.
+/// The feature that the point lies on, a number of enum Feature: 0 the face, 1 to 3 edges, 4 to 6 vertices.
 template <class F, class Where>
 STANDOFF_INLINE F feature_of(const QuickPart<F, Where>& part) {
   F feature(0.0);
@@ -229,19 +229,19 @@ STANDOFF_INLINE F feature_of(const QuickPart<F, Where>& part) {
   return feature;
 }
 
-// The closest point of a triangle to points over its inside: of a band's samples, nine in ten. Weights, and the height
-// over the plane, are linear in the place, so that a triangle that is nearest to several points is prepared once, and
-// each of them takes few operations. All other points are left to quick_part(), whose bounds hold here too.
+// The same for points over the inside of the triangle, nine in ten of a band's samples. Weights, and the height over
+// the plane, are linear functions of the point: so a triangle that is nearest to several points is prepared once, and
+// each point takes few operations. quick_part() handles all other points; its bounds hold here too.
 
-/// What quick_face_at() knows of a triangle.
+/// A triangle prepared for quick_face_at().
 template <class F>
 struct QuickFace {
-  Triple<F> to_b, to_c;  ///< how the weights of b and c grow with the place; zero where nothing is sound
-  Triple<F> normal;      ///< of length 1
-  F least_sq;            ///< points are told from the surface where the square of their height is more
+  Triple<F> to_b, to_c;  ///< the gradients of the weights of b and c; zero if no answer is sound
+  Triple<F> normal;      ///< the unit normal
+  F least_sq;            ///< a point is off the surface if the square of its height is more
 };
 
-/// Of a triangle, for points whose distance from `a`, squared, is no more than `reach_sq`.
+/// Prepares a triangle for points whose squared distance from `a` is at most `reach_sq`.
 template <class F>
 STANDOFF_INLINE QuickFace<F> quick_face(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c, const F& reach_sq) {
   const F zero(0.0), one(1.0);
@@ -258,12 +258,12 @@ STANDOFF_INLINE QuickFace<F> quick_face(const Triple<F>& a, const Triple<F>& b, 
   return face;
 }
 
-/// Of a point.
+/// The answer for a point.
 template <class F, class Where>
 struct QuickFaceAt {
-  Where is_inside;  ///< the point is over the inside, and the rest is sound
+  Where is_inside;  ///< whether the point is over the inside, and the rest is sound
   F v, w;           ///< the weights of b and c
-  F height;         ///< over the plane
+  F height;         ///< the height over the plane
 };
 
 /// Of the point that is `p` away from the triangle's first corner.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks functions that run on the host and, under nvcc, on the device: the one file here that knows about CUDA.
+// Marks functions that run on the host and, under nvcc, on the device. No other file here knows about CUDA.
 #pragma once
 
 #ifdef __CUDACC__
@@ -8,8 +8,8 @@
 #define STANDOFF_HD
 #endif
 
-// Small functions of the inner loops: always inlined, so that a copy compiled for one instruction set can never be
-// linked into code for another.
+// Small functions of inner loops are always inlined, so that no copy compiled for one instruction set is ever linked
+// into code for another.
 #if defined(__CUDACC__)
 #define STANDOFF_INLINE STANDOFF_HD __forceinline__
 #else

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The penetration of two intersecting triangles, point, normal and depth, from the numbers of their test
-// (triangle_overlap.h): for double, and for eight doubles at once.
+// The penetration of two intersecting triangles (point, normal and depth) from the numbers of their test
+// (triangle_overlap.h), for double and for eight doubles at once.
 #pragma once
 
 #include "geometry/triangle_overlap.h"
@@ -9,15 +9,15 @@ namespace standoff {
 
 template <class F>
 struct OverlapPenetration {
-  Triple<F> point;      ///< the middle of the segment they share
-  Triple<F> normal;     ///< unit length: q separates along it
-  F depth;              ///< how far
-  FlagsOf<F> accurate;  ///< no number is farther off than 1e-9 of the pair's extent
+  Triple<F> point;   ///< the middle of the segment that both share
+  Triple<F> normal;  ///< unit length: moving q along it by `depth` separates them
+  F depth;
+  FlagsOf<F> accurate;  ///< whether all errors are at most 1e-9 of the pair's extent
 };
 
-/// Where a triangle is a sliver, or an edge grazes the other's plane, rounding moves the point: by 8 roundings of the
-/// extent, times one over the normal's length in terms of the two edges it is made of, times one over the angle.
-/// Neither may be below this.
+/// If a triangle is a sliver, or an edge grazes the other's plane, rounding moves the point: by 8 roundings of the
+/// extent, divided by two sines, of the angle between the two edges that make the normal and of the angle between edge
+/// and plane. Neither may be below this.
 inline constexpr double kLeastSine = 1e-3;
 
 template <class F>
@@ -60,8 +60,8 @@ STANDOFF_INLINE Triple<F> middle_of_shared(const TriangleOverlap<F>& m) {
   };
   ordered(0, 1);
   ordered(2, 3);
-  ordered(0, 2);  // now 2 is the later of the first ones
-  ordered(1, 3);  // and 1 the earlier of the last ones
+  ordered(0, 2);  // now 2 is the later of the two first points
+  ordered(1, 3);  // and 1 the earlier of the two last ones
   return m.a.corner[0] + (at[1] + at[2]) * F(0.5);
 }
 
@@ -72,8 +72,8 @@ STANDOFF_INLINE OverlapPenetration<F> penetration(const TriangleOverlap<F>& m, c
   OverlapPenetration<F> c;
   c.accurate = is_accurate(m, p, q);
   c.point = middle_of_shared(m);
-  // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: what separates them there is as
-  // long as the other's extent beyond it.
+  // Along p's normal p itself is flat, as it is no sliver, and so is q along its own: the translation that separates
+  // them there has the length of the other triangle's extent beyond the plane.
   const F p_size = F(1) / sqrt(plain_dot(m.p_normal, m.p_normal)),
           q_size = F(1) / sqrt(plain_dot(m.q_normal, m.q_normal));
   const Triple<F> p_unit = m.p_normal * p_size, q_unit = m.q_normal * q_size;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // After Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates (1997): his first
-// stage with its error bound; then twofold arithmetic, numbers as the sum of two doubles; and where not even these 100
-// bits tell, the sum of all products, exactly.
+// stage with its error bound; then twofold arithmetic, where a number is the sum of two doubles; and if these 100 bits
+// do not decide, the exact sum of all products.
 #include "geometry/predicates.h"
 
 #include <algorithm>
@@ -11,9 +11,9 @@
 namespace standoff {
 namespace {
 
-// What rounding may hide of a determinant, in terms of the sum of its products' magnitudes, and of what underflows.
+// The error of a determinant in twofold arithmetic: a share of the sum of its products' magnitudes, and underflow.
 constexpr double kTwofoldBound = 0x1p-97, kUnderflow = 1e-250;
-// Determinants this many times larger than their rounding are within 4e-15 of themselves.
+// If a determinant is this many times larger than its error, its relative error is below 4e-15.
 constexpr double kTellsValue = 0x1p48;
 
 // value + tail is the exact result.
@@ -41,7 +41,7 @@ Two operator*(const Two& a, const Two& b) {
   return two_sum(product.value, product.tail + (a.value * b.tail + a.tail * b.value));
 }
 
-// A sum of doubles, exact: its parts do not overlap and grow in magnitude.
+// An exact sum of doubles: its parts do not overlap, and grow in magnitude.
 class Expansion {
  public:
   void add(double value) {
@@ -55,7 +55,7 @@ class Expansion {
     if (value != 0) parts_[kept++] = value;
     count_ = kept;
   }
-  // The sum, rounded: the sign is that of its largest part.
+  // The rounded sum. Its sign is the sign of the largest part.
   double value() const {
     double sum = 0;
     for (int n = 0; n < count_; ++n) sum += parts_[n];
@@ -63,11 +63,11 @@ class Expansion {
   }
 
  private:
-  std::array<double, 200> parts_;  // as many as are ever added: 6 permutations, 8 choices of parts, 4 parts of each
+  std::array<double, 200> parts_;  // at most 192 are added: 6 permutations, 8 choices of parts, 4 parts of each
   int count_ = 0;
 };
 
-// The difference b - a: two parts, exact.
+// The exact difference b - a, in two parts.
 using Parts = std::array<double, 2>;
 Parts difference(double a, double b) {
   const Two d = difference_of(b, a);
@@ -121,7 +121,7 @@ double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return sum.value();
 }
 
-// What two stages of bounds leave open is decided exactly.
+// Decides by twofold arithmetic, or exactly if its error bound leaves the sign open.
 template <class Twofold, class Exact>
 double value_of(const RoundedDeterminant& first, double bound, double beyond, Twofold twofold, Exact exactly) {
   if (std::abs(first.value) > beyond * (bound * first.magnitude) + kUnderflow) return first.value;

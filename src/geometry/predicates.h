@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Signs and values of determinants: a double computation with an error bound decides nearly always, expansions the
-// rest. All hold for coordinates that are zero or of magnitude 1e-90 to 1e100.
+// Exact signs, and accurate values, of determinants. A computation in double with an error bound decides nearly always,
+// expansions decide the rest. All functions require coordinates that are zero or of magnitude 1e-90 to 1e100.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace standoff {
 
-/// The sign of det(b - a, c - a, d - a): 1 where d lies on the side of abc that (b - a) x (c - a) points to, 0 exactly
-/// where the four lie in a plane. Exact for coordinates that are zero or of magnitude 1e-90 to 1e100.
+/// The sign of det(b - a, c - a, d - a): 1 if d lies on the side of abc that (b - a) x (c - a) points to, 0 if and only
+/// if the four points lie in a plane.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
+/// The determinant: its sign is exact, and its relative error at most 4e-15.
 double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// The sign where rounding may hide it.
+/// The sign if the first stage cannot decide it.
 int orient3d_beyond_rounding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// A point in the plane.
@@ -24,14 +24,14 @@ struct Flat {
   double x, y;
 };
 
-/// The sign of det(b - a, c - a): 1 where a, b, c turn left; 0 exactly where they lie on a line.
+/// The sign of det(b - a, c - a): 1 if a, b, c turn left; 0 if and only if they lie on a line.
 int orient2d(const Flat& a, const Flat& b, const Flat& c);
-/// The sign where rounding may hide it.
+/// The sign if the first stage cannot decide it.
 int orient2d_beyond_rounding(const Flat& a, const Flat& b, const Flat& c);
-/// The determinant itself: its sign is exact, and its value within 4e-15 of itself.
+/// The determinant: its sign is exact, and its relative error at most 4e-15.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
 
-/// Shewchuk's bound of the first stage, in terms of the sum of the products' magnitudes.
+/// Shewchuk's error bound of the first stage, as a share of the sum of the products' magnitudes.
 inline constexpr double kRounded3d = (7 + 56 * kRoundoffDouble) * kRoundoffDouble;
 inline constexpr double kRounded2d = (3 + 16 * kRoundoffDouble) * kRoundoffDouble;
 
@@ -63,7 +63,7 @@ inline int orient2d(const Flat& a, const Flat& b, const Flat& c) {
 
 inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const RoundedDeterminant det = rounded_determinant3d(a, b, c, d);
-  // What may have underflowed takes the exact stage, which loses nothing of coordinates above 1e-90.
+  // If products may have underflowed, the exact stage decides, which loses nothing of coordinates above 1e-90.
   const double bound = kRounded3d * det.magnitude + kUnderflowOf3d;
   if (det.value > bound) return 1;
   if (-det.value > bound) return -1;
@@ -72,10 +72,10 @@ inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) 
 
 using Corners = std::array<Vec3, 3>;
 
-// Points, segments and triangles that lie in one plane or on one line, exactly: after dropping an axis on which the
-// plane does not stand upright.
+// Points, segments and triangles in one plane or on one line are decided exactly after dropping an axis that is not
+// parallel to the plane.
 
-/// The point without one coordinate; what turns left still does.
+/// The point without one coordinate; left turns stay left turns.
 inline Flat dropped(const Vec3& v, int axis) {
   if (axis == 0) return {v.y, v.z};
   if (axis == 1) return {v.z, v.x};
@@ -86,8 +86,8 @@ inline FlatCorners dropped(const Corners& t, int axis) {
   return {dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis)};
 }
 
-/// The direction of a triangle's normal, of any length, zero for none. Its components are determinants, right however
-/// thin the triangle is.
+/// A vector in the direction of a triangle's normal; zero if there is none. Its components are determinants, which are
+/// accurate however thin the triangle is.
 inline Vec3 normal_direction(const Corners& t) {
   const auto component = [&t](int axis) {
     return determinant2d(dropped(t[0], axis), dropped(t[1], axis), dropped(t[2], axis));
@@ -95,8 +95,7 @@ inline Vec3 normal_direction(const Corners& t) {
   return {component(0), component(1), component(2)};
 }
 
-/// An axis along which the points may be dropped into a plane without two of them falling together; -1: they lie on a
-/// line.
+/// An axis along which the points' plane projects one-to-one; -1 if they lie on a line.
 int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c);
 /// The same for four points of one plane.
 int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -104,11 +103,11 @@ int upright_axis(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Whether segments pq and ab have a point in common.
 bool segments_intersect(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
-/// Whether segment pq, which lies in the triangle's plane, intersects it. So does any segment in the plane of three
-/// points on a line.
+/// Whether segment pq, which lies in the triangle's plane, intersects the triangle. The triangle may be three points on
+/// a line: then any segment on that line lies in its plane.
 bool intersects_in_plane(const Vec3& p, const Vec3& q, const Corners& t);
 
-/// A corner that both have; neighbours in one mesh, and bodies with the same pose, have one. Null: none.
+/// A corner that both triangles have, or null. Neighbours in one mesh, and bodies with the same pose, have one.
 inline const Vec3* common_corner(const Corners& p, const Corners& q) {
   for (const Vec3& corner : p)
     if (corner == q[0] || corner == q[1] || corner == q[2]) return &corner;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes of triangles, the samples of a grid in a box, and numbers that order cells.
+// Boxes of triangles, the samples of a grid in a box, and Morton numbers of cells.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +52,7 @@ STANDOFF_HD inline SampleRange intersection(const SampleRange& a, const SampleRa
 
 /// The samples of the grid in the box, its faces included. The box may be infinite, and empty on some axis.
 STANDOFF_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
-  // Not ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
+  // Avoid ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
   const auto first = [](double low, double origin, double spacing, std::int64_t size) {
     const double sample = std::clamp((low - origin) / spacing, 0.0, static_cast<double>(size));
     const auto below = static_cast<std::int64_t>(sample);
@@ -70,11 +70,11 @@ STANDOFF_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
            past(box.max.z, origin.z, spacing.z, size.z)}};
 }
 
-// Morton numbers of cells: the bits of three coordinates, interleaved. Near numbers are near places.
+// A Morton number interleaves the bits of a cell's three coordinates: near numbers are near cells.
 
 namespace detail {
 
-// Bits 0, 3, 6, ... of the result are those of v, which is below 2^21.
+// Moves the bits of v, which is below 2^21, to the places 0, 3, 6, ...
 constexpr std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x001f00000000ffff;
   v = (v | v << 16) & 0x001f0000ff0000ff;
@@ -85,7 +85,7 @@ constexpr std::uint64_t spread(std::uint64_t v) {
 
 }  // namespace detail
 
-/// The number of cell (x, y, z): below 2^(3n) where each coordinate is below 2^n. Requires n of at most 21.
+/// The number of cell (x, y, z): below 2^(3n) if each coordinate is below 2^n. Requires n <= 21.
 constexpr std::uint64_t morton(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
   return detail::spread(x) | detail::spread(y) << 1 | detail::spread(z) << 2;
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The distance of a triangle from the origin, without branches: the measure by which exact queries at points compare
-// triangles (docs/points.md). Corners are given relative to the query point, so a mesh far from the origin loses
-// nothing. One source for scalars, wide types and the GPU, with the same roundings: so with the same bits.
+// The distance of a triangle from the origin, without branches: exact queries at points compare triangles by it
+// (docs/points.md). Corners are relative to the query point, so a mesh far from the origin loses nothing. Scalars, wide
+// types and the GPU share this source and its roundings, and so get the same bits.
 //
-// The nearest of four points is taken: of each edge, and of the face where the origin's projection lies inside. All are
-// points of the triangle, up to rounding, so a distance is never too small; and the edges keep it right where rounding
-// hides the width of a sliver.
+// The distance is the least of four: from each edge, and from the face if the origin's projection lies inside. All four
+// points are points of the triangle, up to rounding, so a distance is never too small; and the edges keep it right if
+// rounding hides the width of a sliver.
 //
-// Triangles that share an edge or a corner compute the same bits for it, whatever their orders of corners: equally near
-// triangles are then equally near in bits too, and the lowest index decides. So an edge is measured from its middle:
-// half of its vector changes nothing but sign when its ends change places.
+// Triangles that share an edge or a corner get the same bits for it, whatever their order of corners: so equally near
+// triangles are equal in bits too, and the lowest index wins. This is why an edge is measured from its middle: swapping
+// the ends only changes the sign of half of its vector.
 #pragma once
 
 #include "geometry/triple.h"
@@ -26,12 +26,12 @@ STANDOFF_INLINE Triple<F> nearest_on_edge(const Triple<F>& a, const Triple<F>& b
   return select(before_b, select(after_a, between, a), b);
 }
 
-/// The nearest point of the triangle's plane, by its barycentric coordinates, where all three of them are positive.
+/// The nearest point of the triangle's plane, by its barycentric coordinates.
 template <class F>
 struct NearestInside {
-  F across[3];  ///< positive shares of the point, in the order of the corners, if `inside`
-  F sum;        ///< of the three
-  F least;      ///< the smallest of them: inside where it is positive
+  F across[3];  ///< the coordinates times `sum`, in the order of the corners
+  F sum;        ///< their sum
+  F least;      ///< the least of them: the point is inside if it is positive
 };
 template <class F>
 STANDOFF_INLINE NearestInside<F> nearest_inside(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c) {

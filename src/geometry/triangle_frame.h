@@ -34,7 +34,7 @@ struct Linear {
   F c;
 };
 
-/// One of the two right triangles: its leg on the base, its hypotenuse's length and unit normal.
+/// One of the two right triangles: its leg on the base, and length and unit normal of its hypotenuse.
 template <class F>
 struct HalfTriangle {
   F leg, length, nx, ny;
@@ -46,9 +46,9 @@ struct TriangleFrame {
   HalfTriangle<F> left, right;
 };
 
-/// The last step, shared by all ways to get there: the squared distance from z, the coordinates across (s) and along
-/// the hypotenuse, the latter measured from both of its ends (t0 from the base, t1 from the apex), how far the point is
-/// past the base's end (past), and y.
+/// The last step of all evaluations: the squared distance from z, the coordinate across the hypotenuse (s), the
+/// coordinates along it from both ends (t0 from the base, t1 from the apex), the distance past the base's end (past),
+/// and y.
 template <class F>
 STANDOFF_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, const F& t1, const F& past, const F& y) {
   const F zero(0);
@@ -80,7 +80,7 @@ STANDOFF_INLINE F evaluate(const Linear<F>& f, const Triple<F>& p) {
   return fma(p.x, f.g.x, fma(p.y, f.g.y, fma(p.z, f.g.z, f.c)));
 }
 
-/// The squared distance of point p, given relative to the same reference as the frame's corners.
+/// The squared distance of point p, which is relative to the same reference as the frame's corners.
 template <class F>
 STANDOFF_INLINE F distance_sq(const TriangleFrame<F>& f, const Triple<F>& p) {
   return frame_distance_sq(f, evaluate(f.q, p), evaluate(f.y, p), evaluate(f.z, p));
@@ -97,8 +97,8 @@ STANDOFF_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Trip
   const F past = abs(q) - leg;
   const F across = fma(nx, past, ny * y);
   const F along = min(max(fma(nx, y, F(-(ny * past))), zero), length);
-  // On the hypotenuse when p lies beyond it, else where it is inside, else on the base. No leg leaves the hypotenuse
-  // upright, and p may lie on its line above the apex, which is nx * length high.
+  // The point is on the hypotenuse if p lies beyond it, else p's projection if p is inside, else on the base. Without a
+  // leg, the hypotenuse is upright, and p may lie on its line above the apex, which is nx * length high.
   const auto beyond = less(zero, across);
   const F x_inside = min(abs(q), leg), y_inside = min(max(y, zero), F(nx * length));
   const F x = select(beyond, max(fma(F(-ny), along, leg), zero), x_inside);
@@ -108,7 +108,7 @@ STANDOFF_INLINE Triple<F> closest_in_frame(const TriangleFrame<F>& f, const Trip
   return p + in_base + f.z.g * F(-z);
 }
 
-/// v / |v|, or `fallback` where |v|^2 is not above `least_sq`.
+/// v / |v|, or `fallback` if |v|^2 is not above `least_sq`.
 template <class F>
 STANDOFF_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const F& least_sq,
                                   const Triple<F>& fallback) {
@@ -117,7 +117,7 @@ STANDOFF_INLINE Triple<F> unit_or(const Triple<F>& v, const F& length_sq, const 
   return select(usable, v * inverse, fallback);
 }
 
-/// A unit vector at right angles to the unit vector u: the axis least along u, made orthogonal.
+/// A unit vector perpendicular to the unit vector u: the axis with the least component of u, made orthogonal to it.
 template <class F>
 STANDOFF_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
   const F zero(0), one(1);
@@ -129,7 +129,7 @@ STANDOFF_INLINE Triple<F> any_perpendicular(const Triple<F>& u) {
   return v * (F(1) / sqrt(dot(v, v)));
 }
 
-/// A component of a unit vector: 1 or -1 where the others are zero, whatever rounding has made of it.
+/// A component of a unit vector, corrected to exactly 1 or -1 if the others are zero.
 template <class F>
 STANDOFF_INLINE F alone_or(const F& component, const F& others) {
   const F zero(0), one(1);
@@ -137,8 +137,8 @@ STANDOFF_INLINE F alone_or(const F& component, const F& others) {
   return select(less(zero, others), component, sign);
 }
 
-/// The same for a vector. So a point in the plane of a triangle that is perpendicular to an axis has the distance 0
-/// from that plane, and not the rounding of a coordinate.
+/// The same for a vector. So a point in the plane of a triangle that is perpendicular to an axis has exactly the
+/// distance 0 from that plane.
 template <class F>
 STANDOFF_INLINE Triple<F> exact_along_axes(const Triple<F>& v) {
   const F ax = abs(v.x), ay = abs(v.y), az = abs(v.z);
@@ -148,7 +148,7 @@ STANDOFF_INLINE Triple<F> exact_along_axes(const Triple<F>& v) {
 template <class F>
 STANDOFF_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
   const F length_sq = fma(leg, leg, height * height);
-  // Rounding leaves heights of 1e-22, whose squares have lost most of their digits. 1e-36 is a normal float.
+  // Rounding may leave heights of 1e-22, whose squares have lost most of their digits. 1e-36 is a normal float.
   const auto usable = less(F(1e-36f), length_sq);
   const F length = sqrt(length_sq);
   const F inverse = F(1) / select(usable, length, F(1));
@@ -156,12 +156,12 @@ STANDOFF_INLINE HalfTriangle<F> half_triangle(const F& leg, const F& height) {
 }
 
 /// The frame of the triangle a, b, c. `least_sq` is the squared length below which an edge or altitude counts as zero:
-/// small against the accuracy wanted, large against underflow.
+/// small compared with the accuracy wanted, large compared with underflow.
 template <class F>
 STANDOFF_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>& b, const Triple<F>& c,
                                             const F& least_sq) {
-  // Turn the corners so that the first edge is the longest: of two, either will do, but not the third, which may have
-  // no direction.
+  // Rotate the corners so that the first edge is the longest. If two are equally long, either will do, but not the
+  // third, which may have no direction.
   const F ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
   const auto ca_longest = less(max(ab, bc), ca);
   const auto ab_shorter = less(ab, max(bc, ca));
@@ -175,7 +175,7 @@ STANDOFF_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>&
   const Triple<F> ux = unit_or(base, base_sq, least_sq, Triple<F>{one, zero, zero});
   const F base_length = dot(base, ux);
 
-  // The altitude, made orthogonal to the base twice: one pass leaves the frame of a needle askew by 1e-3, two by 1e-7.
+  // Make the altitude orthogonal to the base twice: one pass leaves the frame of a needle askew by 1e-3, two by 1e-7.
   const Triple<F> side = apex - start;
   const F foot = max(zero, min(dot(side, ux), base_length));
   const Triple<F> once = minus_scaled(side, ux, dot(side, ux));
@@ -194,12 +194,12 @@ STANDOFF_INLINE TriangleFrame<F> make_frame(const Triple<F>& a, const Triple<F>&
   return frame;
 }
 
-// The frame of a large triangle, ready for points far closer together than the triangle is wide.
+// Lines are the frame of a large triangle, for points far closer together than the triangle is wide.
 //
 // Frame coordinates of a point in the middle of a triangle 1000 samples wide are of the order of 1000, too coarse in
-// float. What the distance depends on is where the point lies against each line of the triangle, and near a line that
-// is a small number. So each such number gets a linear function of its own, made in double and rounded last: it is
-// coarse only where it is large, and there either it is clamped away or the distance is large as well.
+// float. But the distance only depends on the point's distance from each line of the triangle, which is a small number
+// near the line. So each of these numbers gets its own linear function, made in double and rounded last: it is coarse
+// only where it is large, and there either it is clamped or the distance is large as well.
 
 /// The lines of one right triangle: past its base's end, across and along its hypotenuse.
 template <class F>
@@ -214,7 +214,7 @@ struct TriangleLines {
   HalfLines<F> left, right;
 };
 
-/// From a frame in double to lines in F (float).
+/// Makes lines in F (float) from a frame in double.
 template <class F>
 STANDOFF_INLINE Linear<F> rounded(const Linear<double>& f) {
   return {{F(static_cast<float>(f.g.x)), F(static_cast<float>(f.g.y)), F(static_cast<float>(f.g.z))},
@@ -240,7 +240,7 @@ STANDOFF_INLINE TriangleLines<F> make_lines(const TriangleFrame<double>& f) {
           half_lines<F>(1, f, f.right)};
 }
 
-/// What the lines read at a point; `along` without its constant.
+/// The values of the lines at a point; `along` without its constant.
 template <class F>
 struct LineReadings {
   F q, y, z, past_left, across_left, along_left, past_right, across_right, along_right;
@@ -266,7 +266,7 @@ STANDOFF_INLINE F distance_sq(const TriangleLines<F>& t, const Triple<F>& p) {
                          evaluate(Linear<F>{t.right.along.g, zero}, p)});
 }
 
-/// The same for a point that lies in `half` of the triangle, left of the altitude or right of it: the same bits.
+/// The same, with the same bits, for a point that lies in `half` of the triangle, left or right of the altitude.
 template <class F>
 STANDOFF_INLINE F distance_sq_in_half(const TriangleLines<F>& t, const HalfLines<F>& half, const Triple<F>& p) {
   const F along = evaluate(Linear<F>{half.along.g, F(0)}, p);

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do two triangles intersect, as far as double precision can tell? Without branches: for double, and for eight doubles
-// at once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using orientation predicates
-// (2003).
+// Decides whether two triangles intersect, as far as double precision can decide it: without branches, for double and
+// for eight doubles at once. After Guigue and Devillers, Fast and robust triangle-triangle overlap test using
+// orientation predicates (2003).
 //
-// Triangles whose corners are not all on one side of the other's plane both cross the line in which the planes
+// If neither triangle has all corners on one side of the other's plane, both cross the line in which the planes
 // intersect. Let a0 be the corner of p that is alone on its side of q's plane: the edges a0 a1 and a0 a2 pass the line
-// at two points, and so do b0 b1 and b0 b2. The triangles intersect unless both points of one come before both of the
-// other. Which of two points comes first is the sign of det(a_i - a0, b0 - a0, b_j - a0): with a0 = A - s u and b0 = B
-// - t w, u and w the edges' directions and A and B the points, it is (u x w).(A - B) or its negative, and since both
-// edges from a0 pass to the same side, and those from b0, that has one sign for all four.
+// at two points, and so do b0 b1 and b0 b2. The triangles intersect unless both points of one come before both points
+// of the other. The sign of det(a_i - a0, b0 - a0, b_j - a0) decides which of two points comes first: with a0 = A - s u
+// and b0 = B - t w, u and w the edges' directions and A and B the points, it is the sign of (u x w).(A - B) or its
+// negative; and since both edges from a0 pass to the same side, and so do both from b0, it is the same case for all
+// four pairs.
 //
-// Determinants are wrong by 7e-16 times the sum of their products' magnitudes at the most (Shewchuk's first stage), of
-// which there are six, none larger than the product of the extents. What lies within that is left to others.
+// The error of a determinant is at most 7e-16 times the sum of its products' magnitudes (Shewchuk's first stage). There
+// are six products, none larger than the product of the extents. Determinants within that error are left to exact
+// predicates.
 #pragma once
 
 #include "geometry/closest_pair.h"
@@ -20,13 +22,13 @@
 
 namespace standoff {
 
-/// What less() gives: bool, or several of them.
+/// The result of less(): bool, or a mask.
 template <class F>
 using FlagsOf = decltype(less(F(), F()));
 
 STANDOFF_INLINE bool negated(bool flag) { return !flag; }
 
-/// A transformed point, rounded as apply() rounds for poses, so that all answers are about the same corners.
+/// A transformed point, with the same roundings as apply() for poses: so all answers are about the same corners.
 template <class F>
 STANDOFF_INLINE F transformed_row(const double* row, double translation, const Triple<F>& at) {
   return F(row[0]) * at.x + F(row[1]) * at.y + F(row[2]) * at.z + F(translation);
@@ -37,7 +39,7 @@ STANDOFF_INLINE Triple<F> transformed(const DoubleTransform& transform, const Tr
   return {transformed_row(r, t[0], at), transformed_row(r + 3, t[1], at), transformed_row(r + 6, t[2], at)};
 }
 
-/// Signs of numbers, as far as they are beyond a bound.
+/// The signs of numbers whose magnitude exceeds a bound.
 template <class F>
 struct Signs {
   FlagsOf<F> positive, negative;
@@ -47,12 +49,12 @@ STANDOFF_INLINE Signs<F> signs(const F& value, const F& bound) {
   return {less(bound, value), less(value, F(-bound))};
 }
 
-/// A triangle against the other's plane, turned so that its first corner is alone on its side.
+/// A triangle and its signs about the other's plane, rotated so that its first corner is alone on its side.
 template <class F>
 struct Turned {
   Triple<F> corner[3];
   F height[3];
-  FlagsOf<F> sure, apart;  ///< all sides are certain; all corners are on one side
+  FlagsOf<F> sure, apart;  ///< whether all signs are certain; whether all corners are on one side
 };
 template <class F>
 STANDOFF_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3], const F& bound) {
@@ -69,21 +71,21 @@ STANDOFF_INLINE Turned<F> turn(const Triple<F> (&corner)[3], const F (&height)[3
   return t;
 }
 
-/// How far the corners of a pair are apart along an axis.
+/// The extent of the corners of a pair along an axis.
 template <class F>
 STANDOFF_INLINE F extent(const Triple<F> (&p)[3], const Triple<F> (&q)[3], F Triple<F>::*axis) {
   return max(max(p[0].*axis, max(p[1].*axis, p[2].*axis)), max(q[0].*axis, max(q[1].*axis, q[2].*axis))) -
          min(min(p[0].*axis, min(p[1].*axis, p[2].*axis)), min(q[0].*axis, min(q[1].*axis, q[2].*axis)));
 }
 
-/// The answer, and the numbers it was made of, from which overlap_penetration.h finds the point of contact.
+/// The answer and its intermediate numbers, from which overlap_penetration.h finds the point of contact.
 template <class F>
 struct TriangleOverlap {
-  FlagsOf<F> intersecting, unsure;  ///< for certain; rounding may hide the answer
+  FlagsOf<F> intersecting, unsure;  ///< they intersect for certain; rounding may hide the answer
   Triple<F> p_normal, q_normal;
-  F p_height[3], q_height[3];    ///< of the corners over the other's plane, times its normal's length
+  F p_height[3], q_height[3];    ///< the heights of corners over the other's plane, times the length of its normal
   Turned<F> a, b;                ///< p and q
-  Triple<F> a1, a2, b0, b1, b2;  ///< their corners relative to a's first one
+  Triple<F> a1, a2, b0, b1, b2;  ///< their corners relative to a's first corner
 };
 template <class F>
 STANDOFF_INLINE TriangleOverlap<F> triangle_overlap(const Triple<F> (&p)[3], const Triple<F> (&q)[3]) {
@@ -97,7 +99,7 @@ STANDOFF_INLINE TriangleOverlap<F> triangle_overlap(const Triple<F> (&p)[3], con
     m.p_height[k] = plain_dot(m.q_normal, p[k] - q[0]), m.q_height[k] = plain_dot(m.p_normal, q[k] - p[0]);
   m.a = turn(p, m.p_height, bound), m.b = turn(q, m.q_height, bound);
 
-  // Which of a's points on the common line come before which of b's?
+  // Decide the order of a's and b's points on the common line.
   m.a1 = m.a.corner[1] - m.a.corner[0], m.a2 = m.a.corner[2] - m.a.corner[0];
   m.b0 = m.b.corner[0] - m.a.corner[0], m.b1 = m.b.corner[1] - m.a.corner[0], m.b2 = m.b.corner[2] - m.a.corner[0];
   const Triple<F> m1 = plain_cross(m.b0, m.b1), m2 = plain_cross(m.b0, m.b2);

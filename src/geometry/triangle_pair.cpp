@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two triangles intersect exactly where an edge of one intersects the other. An edge intersects a triangle where its
-// ends are not on the same side of the triangle's plane and the line through it passes all three edges on the same
-// side: signs of determinants alone, which are exact. What lies in one plane is decided in the plane (predicates.h).
+// Two triangles intersect if and only if an edge of one intersects the other. An edge intersects a triangle if its ends
+// are not on the same side of the triangle's plane and the line through it passes all three edges on the same side. The
+// signs of determinants decide this exactly. Edges in the triangle's plane are decided in the plane (predicates.h).
 #include "geometry/triangle_pair.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace standoff {
 namespace {
 
-// `from` and `to` are the sides of t's plane that p and q lie on.
+// `from` and `to`: the sides of t's plane that p and q lie on.
 bool edge_intersects(const Vec3& p, const Vec3& q, int from, int to, const Corners& t) {
   if (from * to > 0) return false;
   if (from == 0 && to == 0) return intersects_in_plane(p, q, t);
@@ -54,13 +54,13 @@ double extent_of(const Corners& p, const Corners& q) {
   return box.longest_side();
 }
 
-// What two triangles share is convex. Its corners are corners of one that lie in the other, points where an edge of one
-// passes through the other, and crossings of edges in one plane. Which of them there are is decided by signs of
-// determinants, exactly; where they are, by ratios of determinants whose values are right however small they are.
+// The intersection of two triangles is convex. Its corners are corners of one that lie in the other, points where an
+// edge of one passes through the other, and crossings of edges in one plane. Exact signs of determinants decide which
+// of them exist; ratios of determinants, which are accurate however small they are, give their positions.
 
 namespace {
 
-// Six times the volume that a point spans with a triangle; 0, for certain and at once, for its own corners.
+// Six times the volume that a point spans with a triangle; exactly 0 for the triangle's own corners.
 double height_over(const Corners& t, const Vec3& at) {
   if (at == t[0] || at == t[1] || at == t[2]) return 0;
   return determinant3d(t[0], t[1], t[2], at);
@@ -72,7 +72,7 @@ struct Heights {
       : of{height_over(over, corners[0]), height_over(over, corners[1]), height_over(over, corners[2])} {}
 };
 
-// Whether the triangle has corners on both sides of the other one's plane; common ones are on it.
+// Whether the triangle has corners on both sides of the other one's plane; common corners are on it.
 bool on_both_sides(const Corners& corners, const Corners& of) {
   bool above = false, below = false;
   for (const Vec3& at : corners) {
@@ -83,7 +83,7 @@ bool on_both_sides(const Corners& corners, const Corners& of) {
   return above && below;
 }
 
-// From a to b, as far as where a value that is `from` at a and `to` at b, of the other sign, is zero.
+// The point between a and b where a linear function is zero that is `from` at a and `to`, of the other sign, at b.
 Vec3 zero_between(const Vec3& a, const Vec3& b, double from, double to) { return a + (b - a) * (from / (from - to)); }
 
 // Keeps the two points that are farthest from each other: the middle between two points of a convex set lies in it.
@@ -104,7 +104,7 @@ class Farthest {
   Vec3 middle() const { return middle_; }
 
  private:
-  static constexpr int kMost = 6 + 6 + 9;  // corners, edges through faces, edges across edges
+  static constexpr int kMost = 6 + 6 + 9;  // corners, edges through faces, crossings of edges
   Vec3 points_[kMost], middle_;
   int count_ = 0;
   double most_sq_ = 0;
@@ -115,7 +115,7 @@ void add_corners_inside(const Corners& corners, const Heights& heights, const Co
     if (heights.of[k] == 0 && intersects_in_plane(corners[k], corners[k], t)) shared.add(corners[k]);
 }
 
-// Edges that pass from one side of the triangle's plane to the other, within the triangle.
+// Adds the points where edges pass through the triangle.
 void add_passes(const Corners& corners, const Heights& heights, const Corners& t, Farthest& shared) {
   for (int k = 0, j = 2; k < 3; j = k++) {
     const double from = heights.of[j], to = heights.of[k];
@@ -137,8 +137,8 @@ void add_crossing(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, Fa
 
 bool is_zero(const Vec3& v) { return v == Vec3{}; }
 
-// The shortest translation along a direction, of either sign, that separates both triangles, by their measured extents
-// along it: none is taken to be flat.
+// The shortest translation, of all directions tried, that separates both triangles. It uses their measured extents
+// along a direction: no triangle is taken to be flat.
 class MinimumTranslation {
  public:
   MinimumTranslation(const Corners& p, const Corners& q) : p_(p), q_(q) {}
@@ -176,7 +176,7 @@ Vec3 longest_edge(const Corners& t) {
   return *std::max_element(edges, edges + 3, [](const Vec3& a, const Vec3& b) { return dot(a, a) < dot(b, b); });
 }
 
-// A direction across another one, or any where that is zero.
+// A direction perpendicular to another one; any direction if that is zero.
 Vec3 across(const Vec3& v) {
   const Vec3 size{std::abs(v.x), std::abs(v.y), std::abs(v.z)};
   const Vec3 least = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
@@ -186,7 +186,7 @@ Vec3 across(const Vec3& v) {
   return is_zero(result) ? least : result;
 }
 
-// The answer where rounding leaves it right.
+// Finds the answer in double; false if rounding may spoil it.
 bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
   const Triple<double> of_p[3] = {triple_of(p[0]), triple_of(p[1]), triple_of(p[2])},
                        of_q[3] = {triple_of(q[0]), triple_of(q[1]), triple_of(q[2])};
@@ -200,7 +200,7 @@ bool take_accurate(const Corners& p, const Corners& q, Penetration& result) {
 }  // namespace
 
 Vec3 common_point(const Corners& p, const Corners& q) {
-  // Neighbours of one mesh, and bodies with the same pose.
+  // Neighbours of one mesh, and bodies with the same pose, share a corner: if they do not cross, it is the point.
   if (const Vec3* const corner = common_corner(p, q); corner && !(on_both_sides(p, q) && on_both_sides(q, p)))
     return *corner;
   const Heights of_p(p, q), of_q(q, p);
@@ -217,12 +217,12 @@ Vec3 common_point(const Corners& p, const Corners& q) {
 }
 
 Penetration penetration(const Corners& p, const Corners& q) {
-  // Corners that both have are on both planes, which hides the answer from the quick test.
+  // Common corners are on both planes, where the quick test cannot decide.
   if (Penetration quick; !common_corner(p, q) && take_accurate(p, q, quick)) return quick;
   MinimumTranslation translation(p, q);
   translation.try_along(normal_direction(p));
   translation.try_along(normal_direction(q));
-  if (!translation.any()) {  // segments and points: across both, or across the one that is no point
+  if (!translation.any()) {  // segments and points: try the direction across both, or across the one that is no point
     const Vec3 along_p = longest_edge(p), along_q = longest_edge(q);
     translation.try_along(cross(along_p, along_q));
     if (!(translation.depth() == 0)) translation.try_along(across(is_zero(along_p) ? along_q : along_p));
@@ -232,7 +232,7 @@ Penetration penetration(const Corners& p, const Corners& q) {
 
 namespace {
 
-// A slab this much thinner than the triangles are apart is one along a direction that rounding has turned.
+// If a slab is thinner than this share of the triangles' distance, rounding has turned its direction.
 constexpr double kTurned = 0.5;
 
 Slab slab_along(const Corners& p, const Corners& q, const Vec3& normal) {
@@ -250,7 +250,7 @@ class Thickest {
  public:
   Thickest(const Corners& p, const Corners& q, const Slab& first) : p_(p), q_(q), best_(first) {}
 
-  /// Its normal points to the side of `separation`, from p to q.
+  /// Tries the slab along a direction; its normal points to the side of `separation`, from p to q.
   void try_along(const Vec3& direction, const Vec3& separation) {
     const double size = length(direction);
     if (!(size > 0)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two triangles in the same coordinates: do they intersect, where and how deep? How far apart are they, and what lies
-// between them? For slivers, segments and points too.
+// Two triangles in the same coordinates, which may be slivers, segments or points: whether, where and how deep they
+// intersect; how far apart they are, and the slab between them.
 #pragma once
 
 #include "geometry/predicates.h"
@@ -14,44 +14,46 @@ bool triangles_intersect(const Corners& p, const Corners& q);
 struct ClosestPair {
   double distance_sq;
   Vec3 on_p, on_q;
-  Vec3 separation;  ///< from on_p to on_q; far from the origin their difference would have lost digits
+  Vec3 separation;  ///< from on_p to on_q; far from the origin, their difference would lose digits
 };
 
-/// The closest points of two triangles that do not cross: of touching ones where they touch at an edge, of crossing
-/// ones those of their edges and corners. The distance errs by kDistanceRounding of their extent at the most: the
-/// longest side of the box around both.
+/// The closest points of two triangles that do not cross. If they touch at an edge, both are the point of contact; if
+/// they cross, they are the closest points of edges and corners alone. The error of the distance is at most
+/// kDistanceRounding of their extent, the longest side of the box around both.
 inline constexpr double kDistanceRounding = 32 * kRoundoffDouble;
 ClosestPair closest_points(const Corners& p, const Corners& q);
 
-/// The longest side of the box around both.
+/// The longest side of the box around both triangles.
 double extent_of(const Corners& p, const Corners& q);
 
-/// Where and how deep two intersecting triangles are in each other.
+/// The penetration of two intersecting triangles.
 struct Penetration {
-  Vec3 point;    ///< of both: the middle of what they share, or a corner that both have where neither crosses the other
-  Vec3 normal;   ///< unit length: q separates along it
-  double depth;  ///< how far: then they are apart, or only just touch
+  Vec3 point;    ///< the middle of their intersection, or a common corner if neither crosses the other's plane
+  Vec3 normal;   ///< unit length: moving q along it by `depth` separates them
+  double depth;  ///< after that move they are apart, or only just touch
 };
 
-/// The point alone, for a query that asks for no more: from exact signs and accurate determinants, whatever the angle
-/// between the triangles. It lies on both, within 8 u of their largest coordinate (docs/distance.md).
+/// The point alone, by exact signs and accurate determinants, for any angle between the triangles. It lies on both,
+/// within 8 u of their largest coordinate (docs/distance.md).
 Vec3 common_point(const Corners& p, const Corners& q);
 
-/// Points and depths err by this at the most, in terms of the pair's extent.
+/// The largest error of points and depths, as a share of the pair's extent.
 inline constexpr double kPenetrationError = 1e-9;
-/// For triangles that touch, or are nearer than rounding: then the point lies between them, and the depth may be 0.
+/// Finds the penetration. If the triangles only touch, or are nearer than rounding, the point lies between them, and
+/// the depth may be 0.
 Penetration penetration(const Corners& p, const Corners& q);
 
-/// All of the one triangle lies on one side of it, all of the other on the other side.
+/// The space between two parallel planes: one triangle lies on one side of it, the other on the other side.
 struct Slab {
-  Vec3 normal;       ///< unit length, to the second triangle
-  double height[3];  ///< of the second one's corners over the first one's highest
-  double thickness;  ///< the least of them; zero or less where the normal does not separate them
+  Vec3 normal;       ///< unit length, towards the second triangle
+  double height[3];  ///< the heights of the second triangle's corners over the first one's highest corner
+  double thickness;  ///< the least of them; zero or less if the normal does not separate the triangles
 };
 
-/// The slab along the direction of their closest points, as thick as these are apart. Where they are so near that
-/// rounding has turned that direction, along the best of the directions that features have by themselves: the normals,
-/// those across an edge of each, and those across one edge. Heights err by a few roundings of the pair's extent.
+/// The slab along the direction between their closest points, whose thickness is their distance. If they are so near
+/// that rounding has turned that direction, it takes the best direction of their features: the normals, the directions
+/// across an edge of each, and the directions across one edge. The error of heights is a few roundings of the pair's
+/// extent.
 Slab slab_between(const Corners& p, const Corners& q, const ClosestPair& closest);
 
 }  // namespace standoff

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arithmetic that geometry is written in, for float and double: single numbers, three of them, and rigid
-// transforms. src/simd gives the same names for wide types, so that one source serves the set-up in double precision,
-// the SIMD kernels and the CUDA kernels, with the same roundings.
+// The arithmetic of geometry for float and double: single numbers, triples, and rigid transforms. src/simd defines the
+// same names for wide types: so one source serves the set-up in double precision, the SIMD kernels and the CUDA
+// kernels, with the same roundings.
 #pragma once
 
 #include "geometry/host_device.h"
@@ -9,11 +9,11 @@
 
 namespace standoff {
 
-// One rounding, whatever the compiler and the target: contraction is off, so only these are fused.
+// These round once, whatever the compiler and the target. Contraction is off, so no other operations are fused.
 STANDOFF_INLINE float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
 STANDOFF_INLINE double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
 
-// As the x86 instructions: the second argument when the two are equal or one is NaN.
+// These return the second argument if both are equal or one is NaN, as the x86 instructions do.
 STANDOFF_INLINE float min(float a, float b) { return a < b ? a : b; }
 STANDOFF_INLINE double min(double a, double b) { return a < b ? a : b; }
 STANDOFF_INLINE float max(float a, float b) { return a > b ? a : b; }
