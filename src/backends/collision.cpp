@@ -19,7 +19,7 @@ constexpr std::array kCollisionRows{
 #endif
 };
 
-// A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
+// Smaller batches are not worth a copy to the GPU and back. The value is a guess: it was not measured.
 constexpr std::size_t kSmallBatch = 10'000;
 
 }  // namespace

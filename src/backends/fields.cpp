@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of what computes fields, of skip rules, and of devices that answer queries at points.
+// The tables of backends and methods, of skip rules, and of devices for queries at points.
 #include <array>
 
 #include "backends/cuda/fields.h"
@@ -14,8 +14,6 @@
 #include "thesis/thesis.h"
 
 namespace standoff {
-
-// Methods on backends.
 
 namespace {
 
@@ -57,8 +55,6 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   throw Error(ErrorCode::internal, "compute: no row for this method; this is a bug in standoff, please report it");
 }
 
-// Skip rules.
-
 namespace {
 
 constexpr std::array kSkipRows{
@@ -82,8 +78,6 @@ const SkipRow* find_skip_rule(SkipRule::Kind kind) {
   return nullptr;
 }
 
-// The devices of queries at points.
-
 namespace {
 
 constexpr std::array kPointRows{
@@ -93,7 +87,7 @@ constexpr std::array kPointRows{
 #endif
 };
 
-// A copy to the GPU and back must be worth it. The value is a guess: it was not measured.
+// Fewer points are not worth a copy to the GPU and back. The value is a guess: it was not measured.
 constexpr std::size_t kLeastForDevice = 100'000;
 
 }  // namespace

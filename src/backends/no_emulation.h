@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said where the emulated GPU is asked for and was not built.
+// The error of a build without the emulated GPU.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace standoff {
 
-/// Throws Error{device}; `where` is the call.
+/// Throws Error{device}; `where` names the call.
 [[noreturn]] inline void throw_no_emulation(const char* where) {
   throw Error(ErrorCode::device, std::string(where) +
                                      ": this build of standoff has no emulated GPU; use the CPU, or build standoff "

@@ -34,7 +34,7 @@ constexpr std::array kStreamRows{
 #endif
 };
 
-// Throws where there is no such device.
+// Throws if there is no such device.
 const BackendRow& backend_of(const OnStream& on, Method method) {
   if (on.backend != Backend::cuda && on.backend != testing::kEmulated)
     throw Error(ErrorCode::usage, "cuda: only Backend::cuda works on device memory; compute() takes what the CPU has");
@@ -46,7 +46,7 @@ const StreamDevice& device_of(const OnStream& on) {
                        [&](const StreamDevice& row) { return row.backend == backend; });
 }
 
-// Runs all, or halves of them where all do not fit into the device's memory.
+// Runs all inputs at once, or in halves if they do not fit into the device's memory.
 template <class Answer, class Input>
 std::vector<OrError<Answer>> in_halves(std::vector<OrError<Answer>> (*run)(std::span<const Input>, const OnStream&),
                                        std::span<const Input> all, const OnStream& on) {
@@ -67,7 +67,7 @@ Answer only_one(std::vector<OrError<Answer>> answers) {
   return std::get<Answer>(std::move(answers[0]));
 }
 
-// Errors: usage.
+// Throws Error{usage}.
 void check(const FieldRequest& request, const OnStream& on) {
   ComputeOptions options;
   options.method = request.method;

@@ -12,7 +12,7 @@
 namespace standoff::cuda {
 namespace {
 
-/// The lowest compute capability that kernels were compiled for, times ten.
+/// The lowest compute capability of the compiled kernels, times ten.
 int lowest_capability() {
   constexpr int all[] = {__CUDA_ARCH_LIST__};
   return *std::min_element(std::begin(all), std::end(all)) / 10;
@@ -25,10 +25,10 @@ std::string age_of(const DeviceInfo& device) {
          text(lowest_capability());
 }
 
-/// All that CUDA names, in its order; none without a driver or a GPU.
+/// All GPUs that CUDA lists, in its order; none without a driver or a GPU.
 std::vector<DeviceInfo> all_devices() {
   std::vector<DeviceInfo> all;
-  int count = 0;  // left untouched where there is no driver
+  int count = 0;  // stays 0 if there is no driver
   if (cudaGetDeviceCount(&count) != cudaSuccess) {
     cudaGetLastError();
     return all;

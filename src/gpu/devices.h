@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GPUs as code sees them that does not see CUDA's headers: which there are, and why there is none, of this build
-// (devices.cu, or without_cuda.cpp) and of this machine; streams, memory, and copies of things in it.
+// GPUs for code that does not include CUDA's headers: which GPUs this build (devices.cu, or without_cuda.cpp) and this
+// machine have, and why there is none; streams, workspaces, and copies in device memory.
 #pragma once
 
 #include <cstdint>
@@ -18,27 +18,27 @@ struct CUstream_st;
 namespace standoff::cuda {
 
 bool available();
-/// Why it is not, in a sentence with what to do.
+/// A sentence that says why CUDA is not available, and what to do.
 std::string why_not_available();
 std::string device_name(int device);
-/// Throws Error{device} that says why a GPU cannot be used: it is not there, or older than the kernels.
+/// Throws Error{device} if a GPU cannot be used, because it does not exist or is older than the kernels.
 void check_usable(int device);
 
-/// A cudaStream_t, as in standoff/cuda.h, which has it for its callers.
+/// A cudaStream_t, as in standoff/cuda.h.
 using Stream = CUstream_st*;
 
 }  // namespace standoff::cuda
 
 namespace standoff::gpu {
 
-/// The work does not fit into the GPU's memory. A feature that knows how its work gets smaller catches it and says so.
+/// The work does not fit into the GPU's memory. A feature that knows how to make its work smaller catches this and adds
+/// that advice.
 class OutOfMemory : public Error {
  public:
   using Error::Error;
 };
 
-/// Throws OutOfMemory, an Error{limit}: `need` bytes were wanted, `free` of `total` were there. More may be wanted
-/// later, when the work is better known.
+/// Throws OutOfMemory, an Error{limit}: the work needs at least `need` bytes, but only `free` of `total` are free.
 [[noreturn]] inline void throw_out_of_memory(std::int64_t need, std::int64_t free, std::int64_t total) {
   const auto mib = [](std::int64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); };
   throw OutOfMemory(ErrorCode::limit,
@@ -47,14 +47,14 @@ class OutOfMemory : public Error {
                     {.bytes_needed = need, .bytes_limit = free});
 }
 
-// One piece of memory cut into arrays, or, without memory, how much they take.
+// A piece of memory that is cut into arrays; without memory, it measures them.
 
 class Workspace {
  public:
-  /// Of every array.
+  /// The alignment of every array.
   static constexpr std::int64_t kAlignment = 256;
 
-  /// Over `memory`, or over nothing to find out how much is needed.
+  /// Cuts `memory`; null only measures.
   explicit Workspace(void* memory) : memory_(static_cast<char*>(memory)) {}
 
   template <class T>
@@ -71,9 +71,9 @@ class Workspace {
   std::int64_t used_ = 0;
 };
 
-// Copies of something in the memory of devices, made on first use and freed with it.
+// Copies of an object in the memory of devices are made on first use, and freed with the object.
 
-/// What lies in a device's memory; the backend derives from it.
+/// A copy in a device's memory; the backend derives its own type from this.
 class DeviceCopy {
  public:
   DeviceCopy() = default;
@@ -82,10 +82,10 @@ class DeviceCopy {
   DeviceCopy& operator=(const DeviceCopy&) = delete;
 };
 
-/// The copies of one thing. Safe to use from many threads.
+/// The copies of an object. Thread-safe.
 class DeviceCopies {
  public:
-  /// The copy for a device, from make() where there is none yet.
+  /// The copy for a device; make() makes it if there is none yet.
   template <class Make>
   std::shared_ptr<const DeviceCopy> get(Backend backend, int device, Make make) const {
     const std::lock_guard lock(mutex_);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernels and the code that launches them run on: CUDA, or its emulation on the CPU. All that ends
-// in .cuh is compiled for both, each in a namespace of its own.
+// The platform of kernels and of the code that launches them: CUDA, or its emulation on the CPU. Every .cuh file is
+// compiled for both, each in its own namespace.
 #pragma once
 
 #ifdef __CUDACC__
@@ -11,7 +11,7 @@
 #include "gpu/platform_emulated.h"
 #endif
 
-// A kernel: every file that launches it has one of its own.
+// Marks a kernel; every file that launches it has its own copy.
 #define STANDOFF_KERNEL [[maybe_unused]] static __global__
-// A function that kernels call.
+// Marks a function that kernels call.
 #define STANDOFF_DEVICE __device__ __forceinline__

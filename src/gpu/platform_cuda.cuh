@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CUDA as the platform: launches with a label, memory, errors that name call, file and line.
+// CUDA as the platform: launches with labels, memory, errors that name call, file and line.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -21,8 +21,8 @@ namespace standoff::cuda {
 inline constexpr Backend kBackend = Backend::cuda;
 inline constexpr bool kIsEmulated = false;
 
-/// Where in standoff something is called: as a parameter's default, the site of the call that leaves the parameter
-/// out. Not std::source_location, whose current() nvcc before 12.2 does not take for a constant there.
+/// A call site in standoff. As the default of a parameter, it is the site of the call without that parameter. (nvcc
+/// before 12.2 does not accept std::source_location::current() as a constant there.)
 struct CallSite {
   const char* file;
   int line;
@@ -31,8 +31,8 @@ struct CallSite {
   }
 };
 
-/// Throws Error{device} where a call of CUDA failed, at the call site in standoff that wanted it. The error is taken
-/// from CUDA, so that later calls do not see it.
+/// Throws Error{device} if a call of CUDA failed; the error names the call site in standoff. Clears CUDA's error, so
+/// that later calls do not see it.
 inline void check_call(cudaError_t result, const char* call, const CallSite& at = CallSite::current()) {
   if (result == cudaSuccess) return;
   cudaGetLastError();
@@ -41,7 +41,7 @@ inline void check_call(cudaError_t result, const char* call, const CallSite& at 
                                      "; see what devices() of standoff/cuda.h says, or use the CPU");
 }
 
-/// Names what the host does, for NVIDIA's profilers.
+/// Labels the host's work for NVIDIA's profilers.
 class Label {
  public:
 #ifdef STANDOFF_HAVE_NVTX
@@ -54,16 +54,16 @@ class Label {
   Label& operator=(const Label&) = delete;
 };
 
-/// Reads what other threads change meanwhile.
+/// Reads a number that other threads may be changing.
 template <class T>
 __device__ __forceinline__ T load_relaxed(T* at) {
   return *const_cast<volatile T*>(at);
 }
 
-/// Enough blocks to fill a GPU, for kernels that stride over work of unknown size.
+/// The number of blocks of kernels that stride over work of unknown size: enough to fill a GPU.
 inline constexpr unsigned kManyBlocks = 2048;
 
-/// What a launch is called, and where it stands.
+/// The label and the call site of a launch.
 struct LaunchName {
   const char* label;
   CallSite at;
@@ -78,7 +78,7 @@ void launch(Stream stream, const LaunchName& name, void (*kernel)(Parameters...)
   shape.gridDim = dim3(static_cast<unsigned>(blocks));
   shape.blockDim = dim3(threads);
   shape.stream = stream;
-  // Unlike <<<>>> it returns its own error: one that the caller of standoff left unread is none of ours.
+  // Unlike <<<>>> it returns its own error, not one that the caller of standoff left unread.
   check_call(cudaLaunchKernelEx(&shape, kernel, Parameters(arguments)...), name.label, name.at);
 }
 
@@ -100,7 +100,7 @@ inline void wait_for(Stream stream, const CallSite& at = CallSite::current()) {
   check_call(cudaStreamSynchronize(stream), "cudaStreamSynchronize", at);
 }
 
-/// Throws Error{limit} where so much memory is not free now.
+/// Throws Error{limit} unless this number of bytes is free now.
 inline void require_free_memory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
   std::size_t free = 0, total = 0;
   check_call(cudaMemGetInfo(&free, &total), "cudaMemGetInfo", at);
@@ -137,7 +137,7 @@ class Memory {
   void* at_ = nullptr;
 };
 
-/// Makes a device the current one for as long as it lives. Only where it must: setting one starts CUDA on it.
+/// Makes a device the current one while it lives. It sets it only if it must, as this starts CUDA on the device.
 class DeviceScope {
  public:
   explicit DeviceScope(int device, const CallSite& at = CallSite::current()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The emulation as the platform: device memory is plain memory, poisoned when it is new so that nothing can depend on
-// what was there.
+// The emulation as the platform: device memory is plain memory, and new memory is poisoned, so that no result can
+// depend on its content.
 #pragma once
 
 #include <atomic>
@@ -21,13 +21,13 @@ using cuda::Stream;
 inline constexpr Backend kBackend = testing::kEmulated;
 inline constexpr bool kIsEmulated = true;
 
-/// Reads what other threads change meanwhile.
+/// Reads a number that other threads may be changing.
 template <class T>
 T load_relaxed(T* at) {
   return std::atomic_ref<T>(*at).load(std::memory_order_relaxed);
 }
 
-/// Few: blocks without work cost time here.
+/// Few blocks: blocks without work cost time here.
 inline constexpr unsigned kManyBlocks = 3;
 
 template <class... Parameters, class... Arguments>
@@ -43,13 +43,13 @@ inline void copy_in(void* to, const void* from, std::int64_t bytes) {
   std::memcpy(to, from, static_cast<std::size_t>(bytes));
 }
 
-/// All work is done when launch() returns.
+/// Does nothing: all work is done when launch() returns.
 inline void wait_for(Stream) {}
 
-/// What new memory is filled with.
+/// The filling of new memory.
 inline constexpr unsigned char kPoison = 0xcd;
-/// Words copied to the host that nobody had written before, by their poison: what initcheck, of NVIDIA's sanitizer,
-/// reports on a GPU. For tests to read.
+/// For tests: counts words that were copied to the host without having been written, recognised by their poison. On a
+/// GPU, initcheck of NVIDIA's sanitizer reports them.
 inline std::atomic<std::int64_t> unwritten_words_copied{0};
 
 inline void copy_out(void* to, const void* from, std::int64_t bytes) {
@@ -64,11 +64,11 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes) {
   unwritten_words_copied += unwritten;
 }
 
-/// The emulated GPU's memory: how much of it is taken, and how much there is, for tests to change.
+/// The emulated GPU's memory: bytes taken, and bytes in all, which tests may change.
 inline std::atomic<std::int64_t> memory_taken{0};
 inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
 
-/// Throws Error{limit} where so much memory is not free now.
+/// Throws Error{limit} unless this number of bytes is free now.
 inline void require_free_memory(std::int64_t bytes) {
   const std::int64_t free = memory_total - memory_taken;
   if (bytes > free) gpu::throw_out_of_memory(bytes, free, memory_total);
@@ -100,7 +100,7 @@ class Memory {
   std::unique_ptr<void, Release> at_;
 };
 
-/// Makes a device the current one: there is one.
+/// Does nothing: there is only one device.
 struct DeviceScope {
   explicit DeviceScope(int) {}
 };

@@ -10,7 +10,7 @@
 namespace standoff::cuda {
 namespace {
 
-// The first sum is a 64-bit zero, and with it all of them are.
+// The initial value is a 64-bit zero, which makes all sums 64-bit.
 void run(void* scratch, std::size_t& bytes, const std::uint32_t* in, Counter* sums, std::int64_t count, Stream stream) {
   check_call(
       cub::DeviceScan::ExclusiveScan(scratch, bytes, in, sums, ::cuda::std::plus<Counter>{}, Counter{0}, count, stream),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands for the GPUs where standoff is built without a CUDA compiler: none.
+// Replaces devices.cu in a build without a CUDA compiler: there are no GPUs.
 #include "core/guarded.h"
 #include "gpu/devices.h"
 #include "standoff/cuda.h"

@@ -21,8 +21,8 @@
 
 namespace standoff::cpu {
 
-// Four floats that every processor can add at once, by the vector types of g++ and clang: for loops that need not be
-// compiled once per instruction set, and that compilers will not vectorise by themselves because they choose.
+// Four floats in a vector type of g++ and clang, which every processor can add at once. It is for loops that need not
+// be compiled once per instruction set, and that compilers do not vectorise because they contain selections.
 
 namespace {
 
@@ -50,23 +50,23 @@ struct Four {
   friend STANDOFF_INLINE Four operator*(const Four& a, const Four& b) { return a.v * b.v; }
 };
 
-// As those of scalar.h, lane by lane.
+// The same as in geometry/triple.h, lane by lane.
 STANDOFF_INLINE Four min(const Four& a, const Four& b) { return a.v < b.v ? a.v : b.v; }
 STANDOFF_INLINE Four max(const Four& a, const Four& b) { return a.v > b.v ? a.v : b.v; }
 STANDOFF_INLINE Four::Mask less(const Four& a, const Four& b) { return a.v < b.v; }
 STANDOFF_INLINE Four select(Four::Mask condition, const Four& yes, const Four& no) { return condition ? yes.v : no.v; }
 
-// Samples of a row are done four at a time. The last ones may lie past the triangle's box, where a distance is as true
-// as any other, or past the brick, where rows have spare room.
+// Samples of a row are measured four at a time. The last ones may lie past the triangle's box, where distances are
+// valid too, or past the brick, where rows have spare room.
 constexpr int kLanesAtOnce = 4;
 constexpr int kRow = kBrickSide + kLanesAtOnce;
-constexpr std::int64_t kTrianglesAtOnce = 2048;  // of one brick, in one task
+constexpr std::int64_t kTrianglesAtOnce = 2048;  // triangles of a brick in one task
 
-// What the bricks share: lengths are in grid units (lattice.h), positions relative to the brick's centre.
+// Data that the bricks share. Lengths are in grid units (lattice.h), positions relative to the brick's centre.
 struct Shared {
   const Job& job;
   BlockLattice lattice;
-  float coordinate[3][kRow];  // of the samples of a brick, per axis
+  float coordinate[3][kRow];  // the samples of a brick, per axis
 
   explicit Shared(const Job& j) : job(j), lattice(make_block_lattice(j.grid, j.thickness)) {
     for (int axis = 0; axis < 3; ++axis)
@@ -90,8 +90,8 @@ struct BrickSamples {
   }
 };
 
-// The inner loop of Algorithm 1, over `count` samples of a row. Triangles come in ascending order, so that "smaller"
-// leaves the lowest index where two are equally near.
+// The inner loop of Algorithm 1, over `count` samples of a row. Triangles come in ascending order, so a strict
+// comparison keeps the lowest index of equally near ones.
 template <bool kNearest>
 void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const float* x, float y, float z, int count,
                float* distance_sq, std::uint32_t* nearest) {
@@ -105,9 +105,9 @@ void lower_row(const ThesisTriangle<Four>& triangle, std::uint32_t index, const 
   }
 }
 
-// Gathers the triangles of one brick: the body of a reduction over them, so that many triangles in few bricks, as in
-// the thesis's minimum grids, are work for all threads. Which parts they are cut into does not show: least values do
-// not depend on it, and the left part, which has the lower indices, wins ties.
+// Gathers the triangles of a brick: the body of a reduction over them, so that many triangles in few bricks, as in the
+// thesis's minimum grids, are work for all threads. The result does not depend on how the reduction cuts them: neither
+// do least values, and the left part, which has the lower indices, wins ties.
 class Gather {
  public:
   Gather(const Shared& shared, const Brick& brick, std::span<const std::uint32_t> refs, bool with_nearest)
@@ -124,7 +124,7 @@ class Gather {
         add<true>(refs_[n]);
       else
         add<false>(refs_[n]);
-      // Often enough that cancelling is quick, even if each triangle reaches every sample.
+      // Check often enough that cancelling is quick, even if each triangle reaches every sample.
       constexpr std::size_t kAsk = 256;
       if (n % kAsk == 0) shared_.job.progress.advance(0);
     }
@@ -172,7 +172,7 @@ class Gather {
   std::int64_t examined_ = 0;
 };
 
-// Gives the finished tiles of a brick to the sink and returns how many of its samples are in the band.
+// Writes the finished tiles of a brick to the sink; returns the number of its samples in the band.
 std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& samples, Sink& sink) {
   constexpr int side = DistanceField::kTileSide;
   const SampleRange all = shared.samples(brick);
@@ -222,7 +222,7 @@ Counts run_thesis(const Job& job, Sink& sink) {
       if (!refs.empty()) {
         const Brick brick = brick_at(shared.lattice, bins.first_brick + n);
         Gather gather(shared, brick, refs, sink.with_nearest());
-        // Isolated: a thread that waits for its brick's other parts must not begin another brick meanwhile.
+        // Isolation keeps a thread that waits for the other parts of its brick from beginning another brick.
         tbb::this_task_arena::isolate([&] {
           tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, refs.size(), kTrianglesAtOnce), gather,
                                tbb::simple_partitioner());

@@ -2,8 +2,8 @@
 // Algorithm 1 of the 2008 thesis: a warp per triangle visits the samples in its grown box, and each sample keeps the
 // least distance by an atomic minimum that is written only if smaller, which alone gave the thesis a factor of 2 to 3.
 //
-// A sample's distance so far and its triangle are one 64-bit number: the distance's bits, which ascend with it, above
-// the triangle's index, so that the lowest index wins ties.
+// A sample's distance so far and its triangle are one 64-bit number: the high half holds the distance's bits, which
+// ascend with it, the low half the triangle's index, so that the lowest index wins ties.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +15,22 @@
 
 namespace standoff {
 
-// Ablation: after which step a measured kernel stops. Table 5.4 of the thesis takes two times, and their difference is
-// what a step costs.
+// Ablation: a measured kernel stops after some step. Table 5.4 of the thesis shows the differences of two such times,
+// which are the costs of single steps.
 
-/// Each goes farther than the one before. A step that a method does not have costs it nothing.
+/// The last step of a kernel; each value goes farther than the one before. A step that a method lacks costs it nothing.
 enum class StopAfter {
   lists,     ///< tiles: lists made and walked through; thesis: samples walked through, with their positions
   set_up,    ///< triangles set up in shared memory
-  rows,      ///< the samples from which a triangle must be measured to
+  rows,      ///< the samples found that a triangle must be measured from
   distance,  ///< distances, and the least of them
-  read,      ///< thesis: what the sample holds is read
+  read,      ///< thesis: the sample's distance so far is read
   write,     ///< nothing is left out: the field
-  always,    ///< thesis: the field, written without a look at what the sample holds
+  always,    ///< thesis: the field, written without reading the sample first
 };
 
-/// The bits of a float that no arithmetic gives. What is left out would happen at these, so that the compiler must
-/// compute all that comes before.
+/// The bits of a float that no arithmetic gives. A step that is left out would happen at these bits only: so the
+/// compiler must compute everything before it.
 inline constexpr std::uint32_t kNeverBits = 0x7fa00001u;
 
 }  // namespace standoff
@@ -44,7 +44,7 @@ STANDOFF_KERNEL void clear_samples(Counter* nearest, std::int64_t samples) {
     nearest[n] = infinite;
 }
 
-/// The samples of one brick in a triangle's range.
+/// Visits the samples of a brick in a triangle's range.
 template <StopAfter kLast>
 STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32_t triangle, const SampleRange& range,
                                  const Size3& brick, Counter* nearest) {
@@ -62,7 +62,7 @@ STANDOFF_DEVICE void lower_brick(const Lattice& l, const Corners& c, std::uint32
     }
     const Counter mine = Counter{__float_as_uint(distance_sq(t, p))} << 32 | triangle;
     Counter* const sample = nearest + x + l.size[0] * (y + l.size[1] * z);
-    // What was read may be old, then the atomic minimum decides; it is never too small.
+    // The plain read may be out of date, but is never too small; the atomic minimum decides.
     const bool lower = (kLast != StopAfter::read && kLast != StopAfter::write) || mine < load_relaxed(sample);
     const bool writes = kLast >= StopAfter::write || mine >> 32 == kNeverBits;
     if (lower && writes) atomicMin(sample, mine);
@@ -92,8 +92,8 @@ STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
 
-/// Sparse output: 1 for each tile with a band sample, 0 behind the last. Blocks of 512 threads
-/// stride over the tiles.
+/// For sparse output: writes 1 for each tile with a band sample, 0 for the others, and 0 behind the last. Blocks of 512
+/// threads stride over the tiles.
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
     mark_near_tiles(Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
   if (outcome->stopped) return;
@@ -111,7 +111,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   }
 }
 
-/// From least squared distances to the field. A block a tile, striding.
+/// Makes the field from least squared distances. Blocks stride over the tiles.
 STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
     write_samples(Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
@@ -138,7 +138,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   }
 }
 
-/// The pipeline of Algorithm 1 (pipeline.cuh says what a pipeline has): it keeps a number per sample.
+/// The pipeline of Algorithm 1 (pipeline.cuh defines pipelines). It keeps a number per sample.
 struct Algorithm1 {
   static constexpr std::int64_t kBytesPerEntry = 1;  // it has no lists
   TileArrays tiles;
@@ -147,7 +147,7 @@ struct Algorithm1 {
   Algorithm1(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t)
       : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
 
-  /// First half: the least distance of each sample, and which tiles get a slot.
+  /// First half: finds the least distance of each sample, and gives tiles their slots.
   template <StopAfter kLast = StopAfter::write>
   void lower(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t all = l.tile_count(), samples = task.grid.sample_count();
@@ -162,7 +162,7 @@ struct Algorithm1 {
     tiles.give(l, task, stream);
   }
 
-  /// Second half: the field from them.
+  /// Second half: makes the field from them.
   void write(const Lattice& l, const Task& task, Stream stream) const {
     launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, nearest, task.output, task.outcome);
   }
@@ -180,23 +180,23 @@ struct Algorithm1 {
   }
 };
 
-// Fields with steps left out, to measure what these cost (Table 5.4 of the thesis): the product's kernels with other
-// steps.
+// Fields without some steps, to measure the cost of these (Table 5.4 of the thesis): the product's kernels run with
+// other steps.
 
-/// The field is computed, but not written.
+/// Computes the field, but does not write it.
 struct StepsToDistance : AllSteps {
   static constexpr bool kWrites = false;
   static STANDOFF_DEVICE bool uses(float value) { return __float_as_uint(value) == kNeverBits; }
 };
-/// The samples to measure from are found, and counted.
+/// Finds the samples to measure from, and counts them.
 struct StepsToRows : StepsToDistance {
   static constexpr bool kMeasures = false;
 };
-/// Triangles are set up, and a number of them is read.
+/// Sets up triangles, and reads a number of each.
 struct StepsToSetUp : StepsToRows {
   static constexpr bool kFindsRows = false;
 };
-/// Lists are walked through.
+/// Walks through the lists.
 struct StepsToLists : StepsToSetUp {
   static constexpr bool kSetsUp = false;
 };
@@ -209,8 +209,8 @@ using StepsTo = std::conditional_t<
         std::conditional_t<kLast == StopAfter::rows, StepsToRows,
                            std::conditional_t<kLast == StopAfter::distance, StepsToDistance, AllSteps>>>>;
 
-/// enqueue() with all after a step left out: of thin bands and of Algorithm 1; other fields are whole. Requires a task
-/// that enqueue() takes.
+/// Does enqueue() without the steps after kLast, for thin bands and for Algorithm 1; it computes other fields whole.
+/// Requires a task that enqueue() accepts.
 template <StopAfter kLast>
 void enqueue_until(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
   const Lattice l = make_lattice(task.grid, task.thickness);
@@ -227,9 +227,7 @@ void enqueue_until(const Task& task, void* workspace, std::int64_t bytes, Stream
   }
 }
 
-// Which pipeline computes a field: by the method, and for `tiles` by the thickness.
-
-/// Calls use.template operator()<Pipeline>().
+/// Calls use.template operator()<Pipeline>() with the pipeline of a method; for `tiles`, the thickness decides too.
 template <class Use>
 auto with_pipeline(Method method, const Grid& grid, double thickness, Use use) {
   if (method == Method::thesis) return use.template operator()<Algorithm1>();

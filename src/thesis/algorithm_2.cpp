@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Algorithm 2 of the thesis (Fagerjord and Lochehina, 2008). The samples of the field with fewer of them are visited.
+// Algorithm 2 of the thesis (Fagerjord and Lochehina, 2008). It visits the samples of the field that has fewer.
 #include <cmath>
 #include <limits>
 
@@ -23,13 +23,14 @@ bool boxes_overlap(const DistanceField& a, const Pose& pose_a, const DistanceFie
          mine.min.y <= theirs.max.y && theirs.min.z <= mine.max.z && mine.min.z <= theirs.max.z;
 }
 
-// The nearest sample along an axis; -1 when it is not in the grid.
+// The nearest sample along an axis; -1 if it is not in the grid.
 std::int64_t nearest_index(double at, double origin, double spacing, std::int64_t size) {
   const double index = std::floor((at - origin) / spacing + 0.5);
   return index >= 0 && index < static_cast<double>(size) ? static_cast<std::int64_t>(index) : -1;
 }
 
-// Calls use(sum) for each pair of samples that both have a value, until it returns false. Returns how many it visited.
+// Calls use(sum) for each pair of samples that both have a value, until it returns false. Returns the number of samples
+// visited.
 template <class Use>
 std::int64_t for_each_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b,
                           Use use) {

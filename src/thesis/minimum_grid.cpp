@@ -19,7 +19,7 @@ Grid minimum_grid(const Box& box, double thickness, double e, double speed) try 
   if (!(speed >= 0) || !std::isfinite(speed))
     fail("the speed must be zero or more, and finite; give world units a step");
   constexpr Padding kNoPadding{.least_samples = 0};
-  fit_size(box, {2, 2, 2}, kNoPadding);  // says what is wrong with the box
+  fit_size(box, {2, 2, 2}, kNoPadding);  // throws if the box is not valid
   const Box grown = box.grown(thickness);
   const Vec3 extent = grown.extent();
   const double per_unit = e * (1 + speed / thickness) / thickness;

@@ -35,10 +35,10 @@ std::vector<std::uint32_t> kept_by_neighbour_rule(MeshView mesh, double thicknes
   const auto inside = [&](const Box& inner, const Box& outer) {
     return contains(outer, inner) || (fraction < 1 && share_inside(inner, outer, margin) >= fraction);
   };
-  // The thesis repeats its pass until nothing more is dropped. One pass that looks back does the same: a triangle that
-  // arrives is dropped if it lies inside the last one kept, else it drops those before it that lie inside it, one by
-  // one. Each time both ends of the new pair of neighbours are compared, so no pair of neighbours that stays is left to
-  // drop.
+  // The thesis repeats its pass until nothing more is dropped. A single pass that looks back does the same: a new
+  // triangle is dropped if it lies inside the last one kept; else it drops the triangles before it that lie inside it,
+  // one by one. Each new pair of neighbours is compared both ways, so at the end no neighbour of a kept triangle can be
+  // dropped.
   std::vector<std::uint32_t> kept;
   kept.reserve(mesh.triangles.size());
   Box last;

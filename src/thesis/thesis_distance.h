@@ -7,16 +7,17 @@
 // identity
 //   (a x b) . (c x d) = (a . c)(b . d) - (a . d)(b . c)
 // turns the first two into (ab.ab)(ac.ap) - (ab.ac)(ab.ap) and (ac.ac)(ab.ap) - (ab.ac)(ac.ap): |n|^2 times the
-// barycentric weights w and v of c and b. Both are linear in ap, so what does not depend on the sample is made once per
-// triangle, in double:
+// barycentric weights w and v of c and b. Both are linear in ap, so their gradients are computed once per triangle, in
+// double:
 //   v = to_b . ap,  to_b = (ab (ac.ac) - ac (ab.ac)) / |n|^2
 //   w = to_c . ap,  to_c = (ac (ab.ab) - ab (ab.ac)) / |n|^2
 //
-// Where v, w and 1 - v - w are positive the distance is that to the plane, else the least of those to the three edges,
-// each with its end points' regions by clamping the parameter. Ericson tests region by region and returns early; here
-// nothing branches, since samples are taken several at once, and no rounding can open a gap between two regions.
+// If v, w and 1 - v - w are positive, the distance is the distance from the plane, else the least of the distances from
+// the three edges; clamping the parameter of an edge covers the regions of its end points. Ericson tests region by
+// region and returns early. Here nothing branches, because several samples are taken at once, and no rounding can open
+// a gap between two regions.
 //
-// Error: all numbers per sample are of type F. With the triangle and p inside a box of diameter r the distance is
+// Error: all numbers per sample have type F. If the triangle and p are inside a box of diameter r, the distance is
 // within 2 r epsilon(F) (tests/thesis/thesis_distance_test.cpp measures it, needles included). Ericson's own closest
 // point a + v ab + w ac, with v and w from products of four lengths, loses (length / altitude)^2 times as much on
 // needles. Degenerate triangles are their edges; edges of length zero are their first point.
@@ -33,7 +34,7 @@ namespace standoff {
 template <class F>
 struct ThesisEdge {
   Triple<F> start, along;
-  F inverse_length_sq;  // 0 for an edge of length zero
+  F inverse_length_sq;  // 0 for an edge without length
 };
 
 template <class F>
@@ -50,15 +51,16 @@ STANDOFF_INLINE Triple<F> thesis_rounded(const Vec3& v) {
 template <class F>
 STANDOFF_INLINE ThesisEdge<F> thesis_edge(const Vec3& start, const Vec3& along) {
   const double length_sq = dot(along, along);
-  const bool usable = length_sq > 1e-30;  // shorter ones are points, far below what F resolves
+  const bool usable = length_sq > 1e-30;  // shorter edges are points, far below the resolution of F
   return {thesis_rounded<F>(start), thesis_rounded<F>(along), static_cast<F>(usable ? 1 / length_sq : 0)};
 }
 
-/// The triangle with corners p, q, r. They should be of the order of 1 and relative to something near: in units of the
-/// grid's spacing, from a sample beside the triangle.
+/// The triangle with corners p, q, r. Coordinates should be of the order of 1: in units of the grid's spacing, relative
+/// to a sample near the triangle.
 template <class F>
 STANDOFF_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3& q, const Vec3& r) {
-  // a is the corner with the smallest altitude: 1 - v - w is rounded like v and w, in units of larger altitudes.
+  // Let a be the corner with the smallest altitude: then 1 - v - w is rounded like v and w, in units of larger
+  // altitudes.
   const double pq_sq = dot(q - p, q - p), qr_sq = dot(r - q, r - q), rp_sq = dot(p - r, p - r);
   const double longest_sq = max(max(pq_sq, qr_sq), rp_sq);
   const Vec3 a = qr_sq == longest_sq ? p : rp_sq == longest_sq ? q : r;
@@ -67,7 +69,7 @@ STANDOFF_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3
   const Vec3 ab = b - a, ac = c - a, bc = c - b, n = cross(ab, ac);
   const double ab_sq = dot(ab, ab), ac_sq = dot(ac, ac), ab_ac = dot(ab, ac), n_sq = dot(n, n);
   ThesisTriangle<F> t{};
-  // An altitude below 2^-24 of the longest edge is nothing in float, and the edges alone say the same.
+  // An altitude below 2^-24 of the longest edge is lost in float: then the edges alone give the same distance.
   if (longest_sq > 1e-30 && n_sq > 0x1p-48 * longest_sq * longest_sq) {
     t.to_b = thesis_rounded<F>((ab * ac_sq - ac * ab_ac) * (1 / n_sq));
     t.to_c = thesis_rounded<F>((ac * ab_sq - ab * ab_ac) * (1 / n_sq));
@@ -79,9 +81,9 @@ STANDOFF_INLINE ThesisTriangle<F> make_thesis_triangle(const Vec3& p, const Vec3
   return t;
 }
 
-// Not the fused dot of triple.h: this header is compiled for whatever processor there is, and where fma is a call of
-// the C library the loop around it would not be vectorised. x comes last: along a row of samples the rest stays the
-// same.
+// A dot product that is not fused, unlike that in triple.h: this header is compiled for any processor, and if fma is a
+// call of the C library, the loop around it is not vectorised. x comes last, because the rest stays the same along a
+// row of samples.
 template <class F>
 STANDOFF_INLINE F thesis_dot(const Triple<F>& a, const Triple<F>& b) {
   return (a.z * b.z + a.y * b.y) + a.x * b.x;
@@ -105,8 +107,8 @@ STANDOFF_INLINE F distance_sq(const ThesisTriangle<F>& t, const Triple<F>& p) {
   return select(less(F(0), least_weight), above * above, edges);
 }
 
-// Algorithm 1, what the CPU and the GPU share: the samples that a triangle visits, brick by brick, and the triangle as
-// a brick sees it.
+// The part of Algorithm 1 that the CPU and the GPU share: the samples that a triangle visits, brick by brick, and the
+// triangle in the coordinates of a brick.
 
 /// The samples in a triangle's box grown by the thickness. Corners in world units.
 STANDOFF_HD inline SampleRange visited_samples(const Triple<double> (&corner)[3], const Grid& grid, double thickness) {
@@ -115,14 +117,14 @@ STANDOFF_HD inline SampleRange visited_samples(const Triple<double> (&corner)[3]
                     grid);
 }
 
-/// The bricks, begin <= b < end, that hold samples of a range. Requires one sample at least.
+/// The bricks, begin <= b < end, that hold samples of a range. Requires at least one sample.
 STANDOFF_HD inline SampleRange bricks_of(const SampleRange& range) {
   constexpr std::int64_t side = kBrickSide;
   return {{range.begin.x / side, range.begin.y / side, range.begin.z / side},
           {(range.end.x - 1) / side + 1, (range.end.y - 1) / side + 1, (range.end.z - 1) / side + 1}};
 }
 
-/// The samples of a brick, also those past the grid.
+/// The samples of a brick, including samples past the grid.
 STANDOFF_HD inline SampleRange samples_of_brick(const Size3& brick) {
   constexpr std::int64_t side = kBrickSide;
   const Size3 first{brick.x * side, brick.y * side, brick.z * side};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which voxels a mesh's surface goes through.
+// Finds the voxels that a mesh's surface passes through.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -23,15 +23,15 @@ namespace standoff {
 // Whether a triangle and an axis-aligned box have a point in common: by separating axes (Akenine-Moeller, Fast 3D
 // triangle-box overlap testing, 2001).
 //
-// Whatever axis is tried, boxes that it separates are apart, so the axes themselves may be rounded. Projections are off
-// by less than 8 u times the sum of |axis| times the magnitudes that are multiplied with it. An axis counts only beyond
-// kSlack times that sum: so no overlap is missed.
+// The axes themselves may be rounded, because any axis that separates proves that triangle and box are apart. The error
+// of a projection is less than 8 u times the sum of |axis| times the magnitudes multiplied with it. An axis separates
+// only by more than kSlack times that sum: so no overlap is missed.
 
 namespace {
 
 class TriangleInVoxels {
  public:
-  /// `half`: half of the voxels' sides.
+  /// `half`: half the sides of a voxel.
   TriangleInVoxels(const std::array<Vec3, 3>& corners, const Vec3& half)
       : t_(corners),
         half_(half),
@@ -39,10 +39,10 @@ class TriangleInVoxels {
         normal_(cross(edges_[0], edges_[1])) {}
 
   const Vec3& normal() const { return normal_; }
-  /// Whether rounding leaves the normal most of its digits.
+  /// Whether most digits of the normal survive rounding.
   bool normal_is_good() const { return length(normal_) > 1e-4 * max_norm(edges_[0]) * max_norm(edges_[1]); }
 
-  /// True for all voxels that overlap, and for those that rounding does not tell from them.
+  /// True for all voxels that overlap, and for some that are apart by no more than rounding.
   bool overlaps(const Vec3& center) const {
     const Vec3 v[3] = {t_[0] - center, t_[1] - center, t_[2] - center};
     const auto most = [&](double a, double b, double c) { return std::max({std::abs(a), std::abs(b), std::abs(c)}); };
@@ -69,10 +69,10 @@ class TriangleInVoxels {
   Vec3 normal_;
 };
 
-// So that products of three differences are finite.
+// Up to this coordinate, products of three differences are finite.
 constexpr double kMostVoxelCoordinate = 1e100;
 
-// Voxels begin <= n < end along an axis.
+// The voxels begin <= n < end along an axis.
 struct VoxelRange {
   std::int64_t begin, end;
 };
@@ -86,7 +86,7 @@ class Painter {
               SampleAxis(voxels.grid.origin.y, voxels.grid.spacing.y, voxels.grid.size.y),
               SampleAxis(voxels.grid.origin.z, voxels.grid.spacing.z, voxels.grid.size.z)} {}
 
-  // Goes over the columns of voxels across the triangle, and in each over the voxels near the triangle's plane.
+  // Visits the columns of voxels across the triangle, and in each the voxels near the triangle's plane.
   void paint(const std::array<Vec3, 3>& t, ProgressMeter& meter) const {
     const TriangleInVoxels triangle(t, half_);
     const Vec3& n = triangle.normal();
@@ -109,7 +109,7 @@ class Painter {
   }
 
  private:
-  // Those that hold a number from low to high, and one more on each side.
+  // The voxels that hold a number from low to high, and one more on each side.
   VoxelRange holding(double low, double high, std::size_t axis) const {
     const double half = half_[axis];
     const SampleAxis& samples = axes_[axis];
@@ -120,8 +120,8 @@ class Painter {
     const auto [low, high] = std::minmax({t[0][axis], t[1][axis], t[2][axis]});
     return holding(low, high, axis);
   }
-  // Of the column along axes[0] through `at`: the plane over the column's cross section. The normal is largest along
-  // that axis, and good to 1e-11.
+  // The voxels near the plane in the column along axes[0] through `at`. The normal is largest along that axis, and
+  // accurate to 1e-11.
   VoxelRange near_plane(const std::array<Vec3, 3>& t, const Vec3& n, const std::array<std::size_t, 3>& axes,
                         const std::array<std::int64_t, 3>& at, const VoxelRange& all) const {
     const auto [a, b, c] = axes;

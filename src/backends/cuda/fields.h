@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields on a GPU, on CUDA and emulated on the CPU: as the tables of backends see them, and for tests.
+// Fields on a GPU, by CUDA and by its emulation on the CPU: the functions of the table of backends, and for tests.
 #pragma once
 
 #include "field/backend.h"
@@ -8,7 +8,7 @@
 
 namespace standoff::cuda {
 
-// What the table of backends runs (src/backends/fields.cpp).
+// The functions of the table of backends (src/backends/fields.cpp).
 
 Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
@@ -21,17 +21,18 @@ namespace standoff::emulated {
 
 Counts run_tiles(const Job& job, Sink& sink);
 Counts run_thesis(const Job& job, Sink& sink);
-/// The same, and the memory that stands for the GPU's.
+/// The same, plus the memory that emulates the GPU's.
 std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 
 }  // namespace standoff::emulated
 
 namespace standoff::cuda {
 
-// What standoff/cuda_compute.h runs (src/backends/streams.cpp): on CUDA, and emulated on the CPU. Errors of single
-// meshes are among the answers; those of the device, and gpu::OutOfMemory where all do not fit at once, are thrown.
+// The functions behind standoff/cuda_compute.h (src/backends/streams.cpp), by CUDA and by its emulation. Errors of
+// single meshes are among the answers. Errors of the device are thrown, and so is gpu::OutOfMemory if the meshes do not
+// all fit at once.
 
-/// Runs `work`; an error in the input of one mesh becomes its answer, one of the device ends the call.
+/// Runs `work` for a mesh. An error in its input becomes its answer; an error of the device ends the call.
 template <class Answer, class Work>
 void answer_with(OrError<Answer>& answer, const Work& work) {
   try {
@@ -55,7 +56,7 @@ std::vector<cuda::OrError<cuda::Outcome>> compute_on_stream(std::span<const cuda
                                                             const cuda::OnStream& on);
 void copy_from_stream(const float* values, std::span<float> to, const cuda::OnStream& on);
 
-// The functions of standoff/cuda.h over plain memory, emulated on the CPU: for tests.
+// The functions of standoff/cuda.h in plain memory, by the emulation: for tests.
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries);

@@ -16,24 +16,24 @@ namespace {
 
 using cuda::answer_with, cuda::FieldRequest, cuda::OnStream, cuda::OrError;
 
-// Makes the device the current one, and waits for what others still write.
+// Makes the device the current one, and waits for work that still writes to the input.
 struct Begun : DeviceScope {
   explicit Begun(const OnStream& on) : DeviceScope(on.device) {
     for (const Stream other : on.after) wait_for(other);
   }
 };
 
-// The meshes of a call that can be worked on, packed in one piece of device memory, with the boxes around them. What is
-// wrong with the others is their answer.
+// The valid meshes of a call, packed in one piece of device memory, with the boxes around them. The error of any other
+// mesh becomes its answer.
 class Meshes {
  public:
   struct One {
-    std::size_t place;  // among the views
+    std::size_t place;  // the index of its view
     PackedMesh packed;
     Box box;
   };
 
-  // view_of(place) is a mesh's view. Waits for the stream.
+  // view_of(place) returns a mesh's view. Waits for the stream.
   template <class Answer, class ViewOf>
   Meshes(std::vector<OrError<Answer>>& answers, Stream stream, const ViewOf& view_of) : found_(answers.size()) {
     gpu::Workspace measure(nullptr);
@@ -56,9 +56,9 @@ class Meshes {
 
   const std::vector<One>& all() const { return all_; }
   Outcome* outcome_on_device(std::size_t place) const { return &found_on_device_[place].outcome; }
-  /// As of the last look().
+  /// The outcome at the last look().
   const Outcome& outcome(std::size_t place) const { return found_[place].outcome; }
-  /// Waits for the stream, and copies what its work has found.
+  /// Waits for the stream, and copies its findings.
   void look(Stream stream) {
     wait_for(stream);
     copy_out(found_.data(), found_on_device_, found_bytes());
@@ -82,7 +82,7 @@ class Meshes {
   Found* found_on_device_ = nullptr;
 };
 
-// A field that is not there yet, and room for how many list entries it has asked for.
+// A field that is not finished yet, and the number of list entries that it asked for.
 struct Wanted {
   std::size_t place;
   Task task;
@@ -92,24 +92,25 @@ struct Wanted {
     return STANDOFF_PLATFORM::workspace_bytes(task.mesh.triangle_count, task.grid, task.thickness, task.method,
                                               entries);
   }
-  // Whether the lists did not fit; then asks for more.
+  // Returns whether the lists did not fit, and then asks for more entries.
   bool wants_more(const Outcome& seen) {
     const bool is_short = seen.stopped != 0 && seen.bad_triangle == Outcome::kNone &&
                           seen.needed_entries != Outcome::kNone &&
                           seen.needed_entries > static_cast<unsigned long long>(entries);
-    if (is_short) entries = static_cast<std::int64_t>(seen.needed_entries + seen.needed_entries / 2);  // at least
+    // The number needed is a lower bound: ask for half as much again.
+    if (is_short) entries = static_cast<std::int64_t>(seen.needed_entries + seen.needed_entries / 2);
     return is_short;
   }
 };
 
-// Device memory that is taken anew only where it must grow.
+// Device memory that is allocated again only if it must grow.
 struct Growing {
   Memory memory;
   std::int64_t bytes = 0;
 
   void grow_to(std::int64_t needed) {
     if (needed <= bytes) return;
-    memory = Memory();  // the old one is free before the new one is taken
+    memory = Memory();  // free the old memory before taking the new
     bytes = 0;
     memory = Memory(needed);
     bytes = needed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands for fields on CUDA where standoff is built without a CUDA compiler: it says so.
+// Replaces fields.cu and streams.cu in a build without a CUDA compiler: fields on CUDA throw an error that says so.
 #include "backends/cuda/fields.h"
 #include "core/guarded.h"
 #include "field/cuda/capacity.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fibers, and on them the threads of a block.
+// Fibers, and the threads of a block, which run on them.
 #include "gpu/emulation/block.h"
 
 #include <sys/mman.h>
@@ -36,16 +36,16 @@
 #include <sanitizer/tsan_interface.h>
 #endif
 
-// The switches themselves are no business of the thread sanitizer: it would take the bookkeeping for races.
+// The thread sanitizer must not watch the switches themselves: it would report their bookkeeping as races.
 #define STANDOFF_UNWATCHED __attribute__((no_sanitize("thread")))
 
 namespace standoff::emulation {
 namespace {
 
-// Fibers: stacks of their own that take turns on one thread of the machine. Over Boost.Context where it is there, over
-// ucontext (slower: a system call a switch) where not. Every switch is announced to the sanitizers.
+// Fibers have their own stacks, and take turns on one thread of the machine. They use Boost.Context if it is installed,
+// else ucontext, which is slower: it needs a system call per switch. Every switch is announced to the sanitizers.
 
-// A function with a stack. It runs when resumed, until it parks itself or ends.
+// A function with its own stack. When resumed, it runs until it parks itself or ends.
 class Fiber {
  public:
   Fiber();
@@ -53,14 +53,14 @@ class Fiber {
   Fiber(const Fiber&) = delete;
   Fiber& operator=(const Fiber&) = delete;
 
-  // Makes ready to run `entry` from its beginning; what ran before is forgotten. `entry` must not throw, and must
-  // call finish() where it ends.
+  // Prepares the fiber to run `entry` from its beginning, and abandons what it ran before. `entry` must not throw, and
+  // must end with finish().
   void start(void (*entry)());
   // Runs the fiber until it parks or ends. Called from the thread's own stack.
   void resume();
-  // Returns to whoever resumed this fiber. Called on the fiber.
+  // Returns to the thread that resumed this fiber. Called on the fiber.
   void park();
-  // The same, for good.
+  // The same, but the fiber has ended.
   [[noreturn]] void finish();
 
  private:
@@ -68,14 +68,14 @@ class Fiber {
 
   void leave(bool for_good);
 
-  char* stack_ = nullptr;  // its lowest byte; below it lies a page that faults
+  char* stack_ = nullptr;  // the lowest byte; a page below it faults
   struct Context;
   Context* context_;
 };
 
 constexpr std::size_t kGuardBytes = 4096;
 
-// The stack of the thread that resumes fibers. One emulated launch runs at a time, so one is enough.
+// The stack of the thread that resumes fibers. A single one suffices, as one emulated launch runs at a time.
 struct {
 #ifdef STANDOFF_HAVE_BOOST_CONTEXT
   boost::context::detail::fcontext_t context;
@@ -147,7 +147,7 @@ STANDOFF_UNWATCHED void Fiber::start(void (*entry)()) {
   makecontext(&context_->context, arrive, 0);
 #endif
 #ifdef STANDOFF_TSAN
-  // Making one takes a millisecond: only where the last run was given up midway.
+  // Making one takes a millisecond: do it only if the last run was abandoned midway.
   if (context_->tsan && !context_->ended) {
     __tsan_destroy_fiber(context_->tsan);
     context_->tsan = nullptr;
@@ -164,7 +164,7 @@ STANDOFF_UNWATCHED void Fiber::resume() {
 #endif
 #ifdef STANDOFF_TSAN
   home.tsan = __tsan_get_current_fiber();
-  __tsan_switch_to_fiber(context_->tsan, __tsan_switch_to_fiber_no_sync);  // taking turns orders nothing
+  __tsan_switch_to_fiber(context_->tsan, __tsan_switch_to_fiber_no_sync);  // a switch orders no memory
 #endif
 #ifdef STANDOFF_HAVE_BOOST_CONTEXT
   context_->context = boost::context::detail::jump_fcontext(context_->context, nullptr).fctx;
@@ -201,7 +201,7 @@ STANDOFF_UNWATCHED void Fiber::finish() {
   std::abort();  // a finished fiber is started again, never resumed
 }
 
-// Tells the thread sanitizer that what happened before a release at `tag` happens before an acquire of it.
+// Tells the thread sanitizer that everything before a release at `tag` happens before an acquire of it.
 void release([[maybe_unused]] void* tag) {
 #ifdef STANDOFF_TSAN
   __tsan_release(tag);
@@ -214,8 +214,6 @@ void acquire([[maybe_unused]] void* tag) {
 #endif
 }
 
-// The threads of a block.
-
 constexpr unsigned kWarp = 32;
 
 enum class State { ready, at_block_barrier, at_warp_barrier, done };
@@ -225,13 +223,14 @@ struct Thread {
   Index3 index{};
   unsigned rank = 0;
   State state = State::done;
-  CallSite at{};                // the barrier it waits at
-  std::uint32_t mask = 0;       // of that barrier
-  unsigned block_barriers = 0;  // passed so far
+  CallSite at{};                // the barrier that it waits at
+  std::uint32_t mask = 0;       // the mask of that barrier
+  unsigned block_barriers = 0;  // barriers of the block that it has passed
   unsigned warp_barriers = 0;
 };
 
-// Two alternating tags: with one, a thread that runs ahead to the next barrier would hide races of those behind it.
+// Two alternating tags: with a single one, a thread that runs ahead to the next barrier would hide races of the threads
+// behind it.
 struct Tags {
   char of_block[2] = {};
   char of_start = 0, of_end = 0;
@@ -241,7 +240,7 @@ struct Running {
   const char* label = "";
   Extent3 grid, block;
   Index3 at{};
-  unsigned count = 0;  // threads a block
+  unsigned count = 0;  // threads per block
   const std::function<void()>* body = nullptr;
   Thread** threads = nullptr;
   std::uint64_t* exchange = nullptr;
@@ -275,7 +274,7 @@ STANDOFF_UNWATCHED bool same(const CallSite& a, const CallSite& b) {
 }
 
 [[noreturn]] void fail(const std::string& what) {
-  // The threads that wait will not go on: what they did is over.
+  // The waiting threads will not go on: their work is over.
   for (char& tag : running.tags.of_block) acquire(&tag);
   acquire(&running.tags.of_end);
   for (unsigned n = 0; n < 2 * (running.count / kWarp + 1); ++n) acquire(&running.warp_tags[n]);
@@ -311,8 +310,8 @@ class BlockRun {
   }
 
  private:
-  // Each warp runs on its own as far as it can before the next one does, so that what only a barrier of the block would
-  // order happens too early or too late. In random order it stops now and then, too.
+  // Runs each warp alone as far as it can go before the next one: so if only a missing barrier of the block would order
+  // two accesses, one happens too early or too late. In random order, warps also stop now and then.
   bool take_turns() {
     if (order_now == Order::random) std::shuffle(warps_.begin(), warps_.end(), random_);
     bool moved = false;
@@ -320,12 +319,12 @@ class BlockRun {
       int rounds = order_now == Order::random ? static_cast<int>(random_() % 4) : -1;
       for (; rounds != 0 && run_warp(warp); --rounds) moved = true;
     }
-    if (!moved)  // perhaps those that could run were passed over
+    if (!moved)  // random order may have skipped the threads that could run
       for (const unsigned warp : warps_) moved |= run_warp(warp);
     return moved;
   }
 
-  // Lets every thread of the warp run that can, then opens its barriers.
+  // Runs every thread of the warp that can run, then opens its barriers.
   STANDOFF_UNWATCHED bool run_warp(unsigned warp) {
     const unsigned first = warp * kWarp, count = std::min(kWarp, running.count - first);
     const unsigned shift = order_now == Order::random ? static_cast<unsigned>(random_() % count) : 0;
@@ -347,7 +346,7 @@ class BlockRun {
   }
   bool all_done() const { return count(State::done) == running.count; }
 
-  // Opens the barriers of a warp, threads first to end, that all threads in the mask have reached.
+  // Opens the barriers that all threads of their mask have reached; the warp has the threads from first to end.
   bool open_warp_barriers(unsigned first, unsigned end) {
     bool moved = false;
     for (unsigned n = first; n < end; ++n) {
@@ -396,7 +395,7 @@ class BlockRun {
   }
 
   std::mt19937& random_;
-  std::vector<unsigned> warps_;  // in the order of their turns
+  std::vector<unsigned> warps_;  // warps in the order of their turns
 };
 
 }  // namespace
@@ -414,7 +413,7 @@ OrderScope::~OrderScope() {
 void launch(const char* label, Extent3 grid, Extent3 block, const std::function<void()>& body) {
   const std::lock_guard lock(one_at_a_time);
   ++launches;
-  static std::vector<std::unique_ptr<Thread>> pool;  // stacks are kept from launch to launch
+  static std::vector<std::unique_ptr<Thread>> pool;  // keeps stacks from launch to launch
   const unsigned count = block.x * block.y * block.z;
   if (count == 0 || count > 1024)
     throw Error(ErrorCode::internal, std::string("emulation: kernel '") + label + "': a block has 1 to 1024 threads");

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs CUDA kernels on the CPU, to test them where there is no GPU: the threads of a block are fibers that take turns,
-// blocks come one after the other. The words that kernels are written in stand in words.h.
+// Runs CUDA kernels on the CPU, to test them without a GPU: the threads of a block are fibers that take turns, and
+// blocks run one after another. words.h defines the CUDA words of the kernels.
 //
-// Found: missing barriers (run in all three orders: results differ), races within a block (under the thread sanitizer),
-// accesses out of bounds (under the address sanitizer; shared memory is plain static memory), barriers that not all
-// threads of a block reach, or reach at different call sites, and the same of a warp's votes and shuffles (an Error
-// that names them). Not covered: races between blocks, which never run side by side here; the order in which other
-// threads see writes to memory; cooperative groups; asynchronous copies; streams, which are in order here; bank
-// conflicts and all else that is about time; shared memory read before it is written, which holds what the block before
-// left there. Stricter than the hardware: a barrier is a fault once a thread of the block has ended.
+// It finds: missing barriers (results differ between the three orders), races within a block (under the thread
+// sanitizer), accesses out of bounds (under the address sanitizer; shared memory is plain static memory), and barriers,
+// votes and shuffles that not all threads reach, or reach at different call sites (an Error that names them). It does
+// not find: races between blocks, which never run at once here; wrong assumptions about the order in which other
+// threads see writes; errors with cooperative groups, asynchronous copies, or streams, which are in order here; bank
+// conflicts and other matters of time; reads of shared memory before it is written, which hold what the block before
+// left there. It is stricter than the hardware: a barrier is a fault once a thread of the block has ended.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace standoff::emulation {
 /// the first or the last one first; random mixes warps and stops them now and then.
 enum class Order { forward, reverse, random };
 
-/// For as long as it lives, launches run in this order. Not for use by several threads at once.
+/// While it lives, launches run in this order. Not thread-safe.
 class OrderScope {
  public:
   explicit OrderScope(Order order, unsigned seed = 1);
@@ -42,21 +42,21 @@ struct Extent3 {
   Extent3(unsigned width = 1, unsigned height = 1, unsigned depth = 1) : x(width), y(height), z(depth) {}
 };
 
-/// Runs `body` once for every thread of every block. One launch at a time; others wait. Throws Error{internal} where
+/// Runs `body` once for every thread of every block. One launch runs at a time; others wait. Throws Error{internal} if
 /// threads wait for each other for ever.
 void launch(const char* label, Extent3 grid, Extent3 block, const std::function<void()>& body);
 
-/// How many launches there were so far, for tests of how often work is done.
+/// The number of launches so far, for tests that count them.
 std::int64_t launch_count();
 
-// What a running thread knows.
+// Functions for a running thread.
 Index3 thread_index();
 Index3 block_index();
 Extent3 block_extent();
 Extent3 grid_extent();
 unsigned lane();
 
-/// Where in the source a thread waits.
+/// The place in the source where a thread waits.
 struct CallSite {
   const char* file;
   int line;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The words of CUDA C++ that the kernels use, for a plain C++ compiler (block.h). Only kernels include this: the names
-// are CUDA's own and stand in no namespace.
+// The words of CUDA C++ that the kernels use, for a plain C++ compiler (block.h). Only kernels include this, because
+// the names are CUDA's own and in no namespace.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 #define __host__
 #define __forceinline__ inline
 #define __launch_bounds__(...)
-// Blocks run one after the other, so one copy serves all; plain static memory, which the address sanitizer fences.
+// Blocks run one after another, so one copy serves all. It is static memory, which the address sanitizer guards.
 #define __shared__ static
 
 #define threadIdx (::standoff::emulation::thread_index())
@@ -23,7 +23,7 @@
 #define blockDim (::standoff::emulation::block_extent())
 #define gridDim (::standoff::emulation::grid_extent())
 
-// The last parameters of what threads wait in: where they were called. (Not std::source_location: clang 14 has none.)
+// The last parameters of functions that threads wait in: the call site. (clang 14 has no std::source_location.)
 #define STANDOFF_CALLED_FROM const char *file = __builtin_FILE(), int line = __builtin_LINE()
 
 using dim3 = ::standoff::emulation::Extent3;
@@ -62,7 +62,7 @@ inline std::uint32_t __ballot_sync(std::uint32_t mask, int vote, STANDOFF_CALLED
   return votes;
 }
 
-/// The lanes whose value is this lane's.
+/// The lanes whose value equals this lane's.
 template <class T>
 std::uint32_t __match_any_sync(std::uint32_t mask, T value, STANDOFF_CALLED_FROM) {
   static_assert(sizeof(T) <= sizeof(std::uint64_t));
