@@ -13,7 +13,7 @@ using Matrix3 = std::array<std::array<double, 3>, 3>;
 /// Leaves the eigenvalues on the diagonal of m, and the eigenvectors in the columns of v: Jacobi's rotations.
 inline void diagonalise(Matrix3& m, Matrix3& v) {
   v = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  constexpr int kMostSweeps = 12;  // five are enough, for each one squares what is left
+  constexpr int kMostSweeps = 12;  // five are enough, as each one squares the rest
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     const double off = m[0][1] * m[0][1] + m[0][2] * m[0][2] + m[1][2] * m[1][2];
     const double on = m[0][0] * m[0][0] + m[1][1] * m[1][1] + m[2][2] * m[2][2];

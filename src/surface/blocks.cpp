@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks which samples are inside, and collects the blocks that the surface passes through.
+// Finds the samples that are inside, and the blocks that the surface passes through.
 #include "surface/blocks.h"
 
 #include <tbb/parallel_for.h>
@@ -20,7 +20,7 @@
 namespace standoff {
 namespace {
 
-// A float is below the level where, and only where, it is below the least float that is not.
+// The least float that is not below the level: a float is below the level if and only if it is below this.
 float least_float_from(double level) {
   using Limits = std::numeric_limits<float>;
   if (level > static_cast<double>(Limits::max())) return Limits::infinity();
@@ -29,7 +29,7 @@ float least_float_from(double level) {
   return static_cast<double>(rounded) < level ? std::nextafter(rounded, Limits::infinity()) : rounded;
 }
 
-// The bits of eight values that are below the limit. Sets `has_nan` if one is not a number.
+// A bit for each of eight values that is below the limit. Sets `has_nan` if one is NaN.
 #ifdef __SSE2__
 std::uint64_t bits_of_row(const float* values, float limit, bool& has_nan) {
   const __m128 low = _mm_loadu_ps(values), high = _mm_loadu_ps(values + 4), all = _mm_set1_ps(limit);
@@ -118,7 +118,7 @@ InsideBits::InsideBits(const DistanceField& field, double level, ProgressMeter& 
     }
   });
   if (not_a_number != kNoTile) fail_not_a_number(field, not_a_number);
-  // Of tiles inside that the grid ends in.
+  // The rest is for tiles that are inside and cut by the grid's end.
   if (std::ranges::find(slots, DistanceField::kInside) == slots.end()) return;
   for (std::size_t index = 0; index < slots.size(); ++index)
     if (slots[index] == DistanceField::kInside) {
@@ -160,13 +160,13 @@ namespace {
 
 constexpr std::uint64_t kFirstColumn = 0x0101010101010101u;
 
-// The samples one further along x; `next` is the tile there.
+// The bits of the samples one further along x; `next`: the tile there.
 std::uint64_t along_x(std::uint64_t bits, std::uint64_t next) {
   return (bits >> 1 & ~(kFirstColumn << 7)) | (next & kFirstColumn) << 7;
 }
 std::uint64_t along_y(std::uint64_t bits, std::uint64_t next) { return bits >> 8 | next << 56; }
 
-// The cells of a layer that have corners inside and corners outside.
+// The cells of a layer with corners of both signs.
 std::uint64_t crossed_cells(const CornerBits& corners, std::size_t z) {
   std::uint64_t any = 0, all = ~std::uint64_t{0};
   for (const std::size_t layer : {z, z + 1})
@@ -249,7 +249,7 @@ void Blocks::for_each_of_row(std::int64_t row, const Use& use) const {
   const std::array rows{inside_->kinds_of_row(y, z), inside_->kinds_of_row(y + 1, z), inside_->kinds_of_row(y, z + 1),
                         inside_->kinds_of_row(y + 1, z + 1)};
   constexpr std::uint8_t kBoth = InsideBits::kHasInside | InsideBits::kHasOutside;
-  std::uint8_t last = InsideBits::kHasOutside;  // before the first tile
+  std::uint8_t last = InsideBits::kHasOutside;  // all is outside before the first tile
   for (std::int64_t x = -1; x + 1 < count_.x; ++x) {
     std::uint8_t next = InsideBits::kHasOutside;
     if (x + 2 < count_.x) {

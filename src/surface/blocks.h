@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which samples of a field are inside, one bit each, and the cells that a surface passes through, in blocks of 8x8x8,
-// with the numbers of its vertices.
+// The samples of a field that are inside, one bit each; and the cells that a surface passes through, in blocks of
+// 8x8x8, with the numbers of its vertices.
 //
-// A cell, and an edge of the grid, belong to the block of their lowest sample. Blocks lie as tiles do, but begin with
-// number -1 along each axis: the surface is closed where the solid reaches the grid's border, and the cells there have
-// their lowest sample before the first one of the grid.
+// A cell, and an edge of the grid, belong to the block of their lowest sample. Blocks coincide with tiles, but begin
+// with number -1 along each axis: the surface is closed where the solid reaches the grid's border, and the cells there
+// have their lowest sample before the first sample of the grid.
 #pragma once
 
 #include <array>
@@ -19,27 +19,28 @@
 
 namespace standoff {
 
-/// The bits of a tile: bit x + 8 y of word z. Set: inside.
+/// The bits of a tile: bit x + 8 y of word z is set if the sample is inside.
 using TileBits = std::array<std::uint64_t, 8>;
 
-/// Samples below the level are inside; a sample of exactly the level is outside, and so is all that is beyond the grid.
+/// Samples below the level are inside. A sample of exactly the level is outside, and so is everything beyond the grid.
 class InsideBits {
  public:
   /// Requires |level| < field.thickness(). Runs on the threads of the calling TBB arena. Throws Error{input} if a value
   /// is not a number, and Error{interrupted}. The field outlives this.
   InsideBits(const DistanceField& field, double level, ProgressMeter& progress);
 
-  /// The bytes that it takes.
+  /// The bytes of an InsideBits.
   static std::size_t bytes_for(const DistanceField& field);
 
   const DistanceField& field() const { return *field_; }
   const Size3& tiles() const { return tiles_; }
 
-  /// The bits of a tile; one beyond the grid has none.
+  /// The bits of a tile; zero beyond the grid.
   TileBits of(std::int64_t tx, std::int64_t ty, std::int64_t tz) const;
 
   static constexpr std::uint8_t kHasOutside = 1, kHasInside = 2;
-  /// For each tile of a row what it has, tiles().x of them. A row beyond the grid has outside alone.
+  /// The kinds of the tiles().x tiles of a row: whether they have samples inside and outside. A row beyond the grid is
+  /// outside.
   const std::uint8_t* kinds_of_row(std::int64_t ty, std::int64_t tz) const;
 
  private:
@@ -69,7 +70,7 @@ struct CornerBits {
   }
 };
 
-/// std::popcount(), which is a call of a function with a table where the processor is not known to have an instruction.
+/// The same as std::popcount(), which is a slow call of a library function unless the compiler may use the instruction.
 constexpr int bit_count(std::uint64_t bits) {
   bits -= bits >> 1 & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
@@ -82,7 +83,7 @@ struct Block {
   std::uint32_t first_vertex = 0;                           ///< the number of the vertex of its first crossed edge
   std::uint32_t first_cell = 0;                             ///< the number of its first cell
   std::array<std::array<std::uint64_t, 8>, 3> edges{};      ///< by axis and layer: edges with one end inside
-  std::array<std::array<std::uint16_t, 8>, 3> edge_rank{};  ///< how many there are before this axis and layer
+  std::array<std::array<std::uint16_t, 8>, 3> edge_rank{};  ///< the number of edges before this axis and layer
   std::array<std::uint64_t, 8> cells{};                     ///< by layer: cells that the surface passes through
   std::array<std::uint16_t, 8> cell_rank{};
   std::uint16_t edge_count = 0, cell_count = 0;
@@ -113,9 +114,9 @@ class Blocks {
   std::span<const Block> all() const { return blocks_; }
   const DistanceField& field() const { return inside_->field(); }
   CornerBits corner_bits(const Block& block) const { return corner_bits(block.at[0], block.at[1], block.at[2]); }
-  /// nullptr if the surface does not pass through it.
+  /// The block at a place; nullptr if the surface does not pass through it.
   const Block* find(std::int64_t x, std::int64_t y, std::int64_t z) const;
-  /// The block itself and those beside it: number n is at block.at + step * (n & 1, n >> 1 & 1, n >> 2 & 1), where
+  /// The block itself and its neighbours: number n is at block.at + step * (n & 1, n >> 1 & 1, n >> 2 & 1), where
   /// `step` is 1 or -1.
   std::array<const Block*, 8> beside(const Block& block, int step) const;
   std::size_t number_of(const Block& block) const { return static_cast<std::size_t>(&block - blocks_.data()); }
@@ -126,7 +127,7 @@ class Blocks {
   void for_each_of_row(std::int64_t row, const Use& use) const;
 
   const InsideBits* inside_;
-  Size3 count_;  // of blocks along each axis
+  Size3 count_;  // the number of blocks along each axis
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> first_of_row_;
 };

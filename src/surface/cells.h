@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cells of a grid: how their corners, edges and faces are numbered, all ways in which a surface can pass through a
-// cell of 8 samples (docs/iso.md, "Cells"), and the walk over the values, cells and edges of all blocks.
+// The cells of a grid: the numbers of their corners, edges and faces, all cases of a surface in a cell of 8 samples
+// (docs/iso.md, "Cells"), and loops over the values, cells and edges of all blocks.
 //
-// A corner is inside or outside. Each edge with one end inside has one vertex. On a face with two such edges they are
-// joined by a segment. On a face with four, the inside corners lie across from each other, and the face is ambiguous:
-// either they are joined across the face, or each is cut off by a segment of its own. With the answers for all
-// ambiguous faces, the segments form closed loops, and each loop is the boundary of one piece of the surface.
+// A corner is inside or outside. Each edge with one end inside has one vertex. On a face with two such edges, a segment
+// joins their vertices. On a face with four, the inside corners lie across from each other, and the face is ambiguous:
+// either the corners are joined across the face, or a segment cuts off each of them. With the answers for all ambiguous
+// faces, the segments form closed loops, and each loop is the boundary of a piece of the surface.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -77,12 +77,12 @@ struct CellCase {
   int loop_count = 0;
   std::array<std::uint8_t, kMostLoops> loop_size{};
   std::array<std::uint8_t, kCellEdges> loop_edges{};  ///< loop after loop; seen from outside, anticlockwise
-  std::array<std::uint8_t, kCellEdges> loop_of{};     ///< of an edge with a vertex
-  /// The loop that no triangulation will do for (cells.cpp), or -1: it becomes triangles around a vertex in its
-  /// centre. No cell has two of them.
+  std::array<std::uint8_t, kCellEdges> loop_of{};     ///< the loop of an edge with a vertex
+  /// The loop without an allowed triangulation (cells.cpp), or -1: it becomes triangles around a vertex in its centre.
+  /// No cell has two of them.
   int centre_loop = -1;
   int triangle_count = 0;
-  std::array<std::array<std::uint8_t, 3>, kMostTriangles> triangles{};  ///< facing outwards; of edges or the centre
+  std::array<std::array<std::uint8_t, 3>, kMostTriangles> triangles{};  ///< facing outwards; edges or kCentre
 
   std::span<const std::uint8_t> loop(int n) const {
     std::size_t first = 0;
@@ -93,7 +93,7 @@ struct CellCase {
 
 class CellCases {
  public:
-  /// The one table, made at its first use.
+  /// The table, made at its first use.
   static const CellCases& table();
 
   /// The ambiguous faces of a cell whose corners in `inside` are inside, one bit each.
@@ -108,7 +108,7 @@ class CellCases {
     }
     return cases_[first_[inside] + packed];
   }
-  /// Of a cell without ambiguous faces.
+  /// The case of a cell without ambiguous faces.
   const CellCase& find(std::uint32_t inside) const { return cases_[first_[inside]]; }
 
  private:
@@ -119,11 +119,12 @@ class CellCases {
   std::vector<CellCase> cases_;
 };
 
-/// Whether the inside corners of an ambiguous face are joined: whether the bilinear interpolation is inside at its
-/// saddle, where the asymptotes of its hyperbolas cross ("The asymptotic decider", Nielson and Hamann 1991). Arguments
-/// are differences from the iso value: the two inside corners, which lie across from each other, and the two others.
-/// Products of two floats are exact in double, and a change of order changes nothing: so both cells of the face get the
-/// same answer. A saddle of exactly the iso value is outside, as a sample is; so is what is not a number, 0 * infinity.
+/// Whether the inside corners of an ambiguous face are joined, that is, whether the bilinear interpolation is inside at
+/// its saddle, where the asymptotes of its hyperbolas cross ("The asymptotic decider", Nielson and Hamann 1991).
+/// Arguments are differences from the iso value: of the two inside corners, which lie across from each other, and of
+/// the two others. Products of two floats are exact in double, so their order changes nothing, and both cells of the
+/// face get the same answer. A saddle of exactly the iso value is outside, as a sample is; so is NaN, from 0 *
+/// infinity.
 inline bool is_joined(float inside_a, float inside_b, float outside_a, float outside_b) {
   return static_cast<double>(inside_a) * inside_b > static_cast<double>(outside_a) * outside_b;
 }
@@ -238,7 +239,7 @@ void for_each_edge(const Block& block, const Use& use) {
 /// Error{interrupted}.
 template <class Use>
 void for_each_block(const Blocks& blocks, const UniformTiles& uniform, ProgressMeter& progress, const Use& use) {
-  constexpr std::size_t kAtOnce = 16;  // some tens of microseconds
+  constexpr std::size_t kAtOnce = 16;  // blocks of a task: some tens of microseconds
   const auto all = blocks.all();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size(), kAtOnce), [&](const auto& range) {
     progress.advance(static_cast<std::int64_t>(range.size()));

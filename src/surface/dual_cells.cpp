@@ -83,7 +83,8 @@ void DualCells::find_doubled_faces(ProgressMeter& progress) {
                   z = (lower.cell >> 6) + (axis == 2);
         const Block* const block_above = beside[static_cast<std::size_t>((x >> 3) + 2 * (y >> 3) + 4 * (z >> 3))];
         const SpecialCell* const upper = special({block_above, x & 7, y & 7, z & 7});
-        // All four edges of the face are crossed: one loop in each cell means that both segments join the same two.
+        // All four edges of the face are crossed. If each cell has one loop there, both segments join the same two
+        // loops.
         bool one_below = true, one_above = true;
         const auto corners = face_corners(face);
         const int first = edge_between(corners[0], corners[1]);
@@ -119,13 +120,13 @@ namespace {
 
 double cross_2d(Vec3 a, Vec3 b) { return a.x * b.y - a.y * b.x; }
 
-// Whether the quad may be cut along a-c, where b is the vertex before c and d the one before a. The edge of the grid is
-// the z axis from 0 to 1.
+// Whether the quad may be cut along a-c, where b is the vertex before c and d the vertex before a. The edge of the grid
+// is the z axis from 0 to 1.
 bool stays_at_edge(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   // The diagonal passes the edge on the side of b or of d.
   const bool at_b = (cross_2d(a, c) > 0) != (cross_2d(a, b) > 0) ? false : true;
   const Vec3 near = at_b ? b : d, far = at_b ? d : b;
-  // Where the diagonal pierces the half plane from the edge through `near`: between the edge and `near`.
+  // The diagonal must pierce the half plane from the edge through `near` between the edge and `near`.
   const double on_a = cross_2d(near, c), on_c = cross_2d(a, near);
   const double sum = on_a + on_c;
   if (!(std::abs(sum) > 0)) return false;
@@ -134,7 +135,7 @@ bool stays_at_edge(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   if (!(reach >= 0 && reach <= 1)) return false;
   const double low = reach * near.z, high = reach * near.z + (1 - reach);
   if (!(pierced.z >= low && pierced.z <= high)) return false;
-  // Where the triangle of the other three pierces the edge.
+  // The triangle of the other three must pierce the edge.
   const double of_far = cross_2d(a, c), of_a = cross_2d(c, far), of_c = cross_2d(far, a);
   const double all = of_far + of_a + of_c;
   if (!(std::abs(all) > 0)) return false;
@@ -159,7 +160,7 @@ CellOf DualPolygons::cell(int x, int y, int z) const {
 
 DualPolygon DualPolygons::around(int axis, int x, int y, int z, bool outwards_up) const {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  // The four cells, anticlockwise as seen from above: how far each lies back along u and v.
+  // The four cells, anticlockwise as seen from above: their offsets back along u and v.
   constexpr std::array<std::array<int, 2>, 4> kBack{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   std::array<CellOf, 4> cells{};
   std::array<const SpecialCell*, 4> special{};
@@ -178,7 +179,7 @@ DualPolygon DualPolygons::around(int axis, int x, int y, int z, bool outwards_up
     polygon.add(cells_->vertex_of_loop(cells[n], special[n], loop));
     const std::size_t next = (n + 1) % 4;
     if (!special[n] || !special[next]) continue;
-    // The face between the two cells: perpendicular to u between 0 and 1, and 2 and 3; to v between 1 and 2, 3 and 0.
+    // The face between two cells is perpendicular to u between 0 and 1, and 2 and 3; to v between 1 and 2, and 3 and 0.
     const int across = n % 2 == 0 ? u : v;
     const std::size_t lower = kBack[n][n % 2] == 1 ? n : next;
     const int found = cells_->find_doubled(cells[lower], across);

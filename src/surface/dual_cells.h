@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vertices and polygons of dual contouring: a vertex for each loop of each cell, and where two loops meet twice,
-// one on each of their two segments; around each crossed edge of the grid, the polygon of its four cells' vertices.
+// The vertices and polygons of dual contouring: a vertex for each loop of each cell; if two loops meet twice, a vertex
+// on each of their two segments; and around each crossed edge of the grid, the polygon of its four cells' vertices.
 #pragma once
 
 #include <array>
@@ -32,11 +32,11 @@ struct SpecialCell {
   std::uint32_t ambiguous;  ///< its ambiguous faces
 };
 
-/// A face whose two segments join the same two loops. The dual of each segment would be the same edge, which would have
-/// four triangles: so the surface gets a vertex on each of the two.
+/// A face whose two segments join the same two loops. Both segments would have the same dual edge, which would have
+/// four triangles: so the surface gets a vertex on each segment.
 struct DoubledFace {
   std::uint16_t cell;  ///< the number of the cell below the face
-  std::uint8_t axis;   ///< to which the face is perpendicular
+  std::uint8_t axis;   ///< the face is perpendicular to it
 };
 
 class DualCells {
@@ -50,9 +50,9 @@ class DualCells {
   /// The number after the last loop's vertex.
   std::uint64_t end() const { return end_; }
   std::int64_t ambiguous_faces() const { return ambiguous_faces_; }
-  /// nullptr: one loop, and no ambiguous faces.
+  /// The entry of a special cell; nullptr for a cell with one loop and no ambiguous faces.
   const SpecialCell* special(const CellOf& cell) const;
-  /// The vertex of a loop of the cell; `special` as special() gives it.
+  /// The vertex of a loop of the cell; `special`: the result of special().
   std::uint32_t vertex_of_loop(const CellOf& cell, const SpecialCell* special, int loop) const;
 
   std::span<const DoubledFace> doubled(const Block& block) const { return doubled_[blocks_->number_of(block)]; }
@@ -70,7 +70,7 @@ class DualCells {
   std::int64_t ambiguous_faces_ = 0;
 };
 
-/// The other edge of the segment of an edge in a face of a cell of this case.
+/// The edge at the other end of an edge's segment, in a face of a cell of this case.
 int segment_end(const CellCase& found, int edge, int face);
 /// The lowest edge of a face.
 int first_edge_of(int face);
@@ -80,11 +80,11 @@ struct DualPolygon {
   std::array<std::uint32_t, 8> vertices{};  ///< facing outwards
 
   void add(std::uint32_t vertex) { vertices[static_cast<std::size_t>(size++)] = vertex; }
-  /// More than the four cells' vertices.
+  /// Whether it has more than the four cells' vertices.
   bool has_more() const { return size > 4; }
 };
 
-/// How a polygon is cut.
+/// The cut of a polygon into triangles.
 enum class Cut : std::uint8_t {
   first,   ///< a quad, from its first to its third vertex
   second,  ///< a quad, from its second to its fourth vertex
@@ -93,8 +93,8 @@ enum class Cut : std::uint8_t {
 
 class DualPolygons {
  public:
-  /// The polygons of a block. `first_face`: by block, the number of the first vertex on its doubled faces; all of them
-  /// outlive this.
+  /// The polygons of a block. `first_face`: by block, the number of the first vertex on its doubled faces. All
+  /// arguments outlive this.
   DualPolygons(const Blocks& blocks, const DualCells& cells, const Block& block,
                const std::vector<std::uint32_t>& first_face)
       : cells_(&cells), blocks_(&blocks), beside_(blocks.beside(block, -1)), first_face_(&first_face) {}

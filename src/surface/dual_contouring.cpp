@@ -18,20 +18,20 @@
 namespace standoff {
 namespace {
 
-// The point of a cell that is nearest to all tangent planes of a loop, in least squares ("Dual contouring of Hermite
-// data", Ju, Losasso, Schaefer, Warren 2002): where the sum of squared distances from the planes added is least.
+// Finds the point of a cell that is nearest to the tangent planes of a loop: it minimises the sum of squared distances
+// from the planes added ("Dual contouring of Hermite data", Ju, Losasso, Schaefer, Warren 2002).
 class PlaneFit {
  public:
   void add(Vec3 point, Vec3 normal);
   // The mean of the points added.
   Vec3 mass_point() const { return sum_ * (1.0 / count_); }
-  // The point of the box where the sum is least; where many are as good, the one nearest to the mass point. The least
-  // eigenvalues of the planes' normals, up to `tolerance` times the largest one, count as 0: in their directions the
-  // planes say nothing. Two planes at an angle of a have eigenvalues in the ratio tan(a/2)^2.
+  // The point of the box where the sum is least; if many points are equally good, the one nearest to the mass point.
+  // Eigenvalues of the normals' matrix up to `tolerance` times the largest one count as 0: the planes do not determine
+  // the point in these directions. Two planes at an angle of a have eigenvalues in the ratio tan(a/2)^2.
   Vec3 minimum(const Box& box, double tolerance) const;
 
  private:
-  std::array<double, 6> normals_{};  // of the matrix A^T A: xx xy xz yy yz zz
+  std::array<double, 6> normals_{};  // the matrix A^T A: xx xy xz yy yz zz
   Vec3 right_;                       // A^T b, about the first point
   Vec3 first_, sum_, normal_sum_;
   int count_ = 0;
@@ -42,7 +42,7 @@ using Matrix = Matrix3;
 
 QefRow row_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
-// Solves the equations of the coordinates that are free; the others keep their values. Positive definite.
+// Solves the equations of the free coordinates; the others keep their values. The matrix must be positive definite.
 QefRow solve_free(const Matrix& m, const QefRow& right, QefRow x, unsigned free) {
   Matrix a{};
   QefRow b{};
@@ -70,8 +70,8 @@ QefRow solve_free(const Matrix& m, const QefRow& right, QefRow x, unsigned free)
   return x;
 }
 
-// The least value of a positive definite form in a box: of all faces, edges and corners, the best point that is in the
-// box. `x` are coordinates relative to the mass point.
+// The minimum of a positive definite form in a box: the best point in the box among the minima on its inside, faces,
+// edges and corners. `x`: coordinates relative to the mass point.
 QefRow least_in_box(const Matrix& m, const QefRow& right, const QefRow& low, const QefRow& high) {
   QefRow best{};
   double least = std::numeric_limits<double>::infinity();
@@ -120,8 +120,8 @@ Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   QefRow right = row_of(right_);  // about the mass point
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) right[i] -= m[i][j] * offset[j];
-  // The sum of the two lesser eigenvalues is at most that of the squared deviations from the mean normal. Where it
-  // counts as 0 the planes are parallel, as nearly everywhere on smooth surfaces, and no eigenvalue is needed.
+  // The sum of the two lesser eigenvalues is at most the sum of the squared deviations from the mean normal. If that
+  // counts as 0, the planes are parallel, as nearly everywhere on smooth surfaces, and no eigenvalues are needed.
   const double trace = a[0] + a[3] + a[5], along_mean = dot(normal_sum_, normal_sum_) / count_;
   if (trace - along_mean <= tolerance * along_mean) {
     const QefRow direction = row_of(normal_sum_ * (1 / std::sqrt(along_mean * count_)));
@@ -148,7 +148,7 @@ Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   bool in_box = true;
   for (std::size_t i = 0; i < 3; ++i) in_box &= x[i] >= low[i] && x[i] <= high[i];
   if (!in_box) {
-    // The same with a weak pull to the mass point in place of the cut, so that there is one minimum in the box.
+    // Solve with a weak pull to the mass point in place of the tolerance, so that there is one minimum in the box.
     constexpr double kPull = 0.01;
     Matrix pulled = m;
     for (std::size_t i = 0; i < 3; ++i) pulled[i][i] += kPull * tolerance * largest;
@@ -157,7 +157,7 @@ Vec3 PlaneFit::minimum(const Box& box, double tolerance) const {
   return mass + Vec3{x[0], x[1], x[2]};
 }
 
-// What a block adds to the surface, beside its loops' vertices.
+// The counts of a block, beside its loops' vertices.
 struct ContourCounts {
   std::uint32_t triangles = 0;
   std::uint16_t fans = 0;  // vertices on edges
@@ -207,7 +207,7 @@ class DualContouring {
     for_each_block(blocks_, uniform_, progress_, use);
   }
 
-  // Where an edge of the grid is crossed, in spacings from the block's first sample.
+  // The crossing of an edge of the grid, in spacings from the block's first sample.
   Vec3 crossing(const std::array<const Block*, 8>& beside, int axis, int x, int y, int z) const {
     const Block* const owner = beside[static_cast<std::size_t>((x >> 3) + 2 * (y >> 3) + 4 * (z >> 3))];
     const double t = points_.kept(hermite_[owner->vertex(axis, x & 7, y & 7, z & 7)].t);
@@ -247,9 +247,9 @@ class DualContouring {
         const SpecialCell* const special = found.loop_count > 1 ? cells_.special(cell) : nullptr;
         for (int loop = 0; loop < found.loop_count; ++loop) {
           Vec3& vertex = mesh_.vertices[cells_.vertex_of_loop(cell, special, loop)];
-          // Where several pieces pass through a cell, the means of their crossings keep them apart.
+          // If several pieces pass through a cell, the means of their crossings keep them apart.
           vertex = points_.at(block.at, loop_point(beside, at, found.loop(loop), found.loop_count > 1));
-          // Two loops with the same vertex: this one moves, from its mean towards a point of its own.
+          // Two loops have the same vertex: move this one from its mean towards a point of its own.
           const Vec3 own = Vec3{at.x + 0.3 + 0.1 * loop, at.y + 0.4, at.z + 0.6};
           constexpr int kSteps = 16;
           for (int step = 0, other = 0; other < loop && step <= kSteps;) {
@@ -350,7 +350,7 @@ class DualContouring {
     });
   }
 
-  // The middles of the two segments of a doubled face, that with its lowest edge first.
+  // The middles of the two segments of a doubled face; the segment with the face's lowest edge comes first.
   std::array<Vec3, 2> face_points(const std::array<const Block*, 8>& beside, const Block& block,
                                   const DoubledFace& doubled) const {
     const CellAt at{doubled.cell & 7, doubled.cell >> 3 & 7, doubled.cell >> 6};
@@ -372,7 +372,7 @@ class DualContouring {
   UniformTiles uniform_;
   std::vector<HermitePoint> hermite_;  // by edge: Block::vertex()
   DualCells cells_;
-  std::vector<std::uint32_t> first_face_;  // by block: the first of its vertices on faces; those on edges follow
+  std::vector<std::uint32_t> first_face_;  // by block: its first vertex on a face; its vertices on edges follow
   std::vector<ContourCounts> counts_;
   std::vector<Cut> cuts_;  // by edge
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What dual contouring knows of the surface on the crossed edges of the grid: from the field alone; of the surface of a
-// mesh itself, where edges of the grid cross its triangles; and of a surface at a distance from a mesh, by Newton's
-// method along the edges of the grid, with exact distances.
+// Finds the points and normals of dual contouring on the crossed edges of the grid, from three sources: the field
+// alone; the surface of a mesh, where its triangles cross the edges; and a surface at a distance from a mesh, by
+// Newton's method along the edges, with exact distances.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -23,8 +23,8 @@ namespace {
 
 using Offset = std::array<int, 3>;
 
-// The difference of the values around a sample along an axis, per spacing: central where both neighbours are finite,
-// else to one side.
+// The slope of the values along an axis at a sample, per spacing: a central difference if both neighbours are finite,
+// else one-sided.
 double slope(const Neighbourhood& values, const Offset& at, std::size_t axis) {
   Offset below = at, above = at;
   --below[axis];
@@ -59,7 +59,7 @@ void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<
                      Vec3 along;
                      along[axis] = a < b ? 1 : -1;
                      const bool within = values.is_sample(x, y, z) && values.is_sample(upper[0], upper[1], upper[2]);
-                     Vec3 normal = along;  // of a cap
+                     Vec3 normal = along;  // the normal of a cap
                      if (within) {
                        const auto mixed = [&](std::size_t n) {
                          const double s = n == static_cast<std::size_t>(axis)
@@ -81,15 +81,15 @@ void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<
 
 namespace {
 
-// Points that are asked about together, and about what a question and its answer take besides.
+// Points of a query, and the approximate bytes of a point and its answer.
 constexpr std::size_t kAskedAtOnce = std::size_t{1} << 17, kBytesPerAsked = 256;
 
-// The triangle that an edge takes is the one with the least key: of those that face as the sign changes, if there are
-// any, the one nearest to where the interpolation crosses the edge; then the one of lowest index.
+// An edge takes the triangle with the least key. Triangles that face as the sign changes come first, then the triangle
+// nearest to the crossing of the interpolation, then the lowest index.
 using EdgeKey = std::uint64_t;
 constexpr EdgeKey kNoEdge = std::numeric_limits<EdgeKey>::max();
 
-// So near to a sample, in spacings, that rounding decides on which side of it the triangle is.
+// Nearer to a sample than this, in spacings, rounding decides on which side of it the triangle is.
 constexpr double kAtSample = 1e-5;
 
 EdgeKey key_of(bool faces_otherwise, double distance, std::size_t triangle) {
@@ -113,7 +113,8 @@ class CrossingsOfEdges {
       const double t = (hit.at - axes_[axis].at(sample[axis])) / spacing_[axis];
       for (std::int64_t& n : sample) n -= kMargin;
       offer(axis, sample, t, hit.crossing, triangle);
-      // At a sample: the value there may be 0, which is outside, whatever the exact side of the sample.
+      // Very near a sample, offer the triangle to both edges: the value there may be 0, which counts as outside,
+      // whatever the exact side of the sample.
       const std::int64_t at = sample[axis];
       if (t < kAtSample) {
         sample[axis] = at - 1;
@@ -131,8 +132,8 @@ class CrossingsOfEdges {
   }
 
  private:
-  // Edges lead from the grid's outermost samples to ones beside the grid, which are all outside (blocks.h); a triangle
-  // at one of those may be beyond it.
+  // Edges lead from the grid's outermost samples to samples beside the grid, which are all outside (blocks.h); a
+  // triangle near such a sample may even be beyond it.
   static constexpr std::int64_t kMargin = 2;
   static std::array<LatticeAxis, 3> axes_of(const Grid& grid) {
     const LatticeAxis::Margin margin{kMargin, kMargin};
@@ -165,7 +166,7 @@ class CrossingsOfEdges {
   std::vector<EdgeKey> keys_;  // by edge
 };
 
-// Of a triangle that is as thin as can be too: scaled before it is multiplied.
+// The unit normal, even of extremely thin triangles: edges are scaled before they are multiplied.
 Vec3 unit_normal(const Corners& corners) {
   Vec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
   const double size = std::max(max_norm(a), max_norm(b));
@@ -183,8 +184,8 @@ Vec3 along(int axis, Vec3 spacing) {
   return step;
 }
 
-// Sets a point to where the plane of a triangle crosses an edge, with its normal to the side that the point's normal
-// is on. False if it does not cross it.
+// Moves a point to the crossing of a triangle's plane and an edge, with the plane's normal on the side of the point's
+// old normal. False if there is no crossing.
 bool on_plane(const Corners& corners, Vec3 lower, int axis, Vec3 spacing, HermitePoint& point) {
   const Vec3 normal = unit_normal(corners);
   if (normal[axis] == 0) return false;
@@ -203,7 +204,7 @@ struct Grazed {
   Vec3 lower;
 };
 
-// Where rounding is all that keeps a triangle off the edge, as where a face lies in a plane of samples: the triangle
+// Finds triangles that only rounding keeps off an edge, as if a face lies in a plane of samples: takes the triangle
 // nearest to the end that is farther from the surface, if its plane crosses the edge on the mesh.
 void find_nearly(MeshView mesh, const ClosestFunction& closest, const Vec3& spacing, std::span<const Grazed> grazed,
                  std::span<HermitePoint> data) {
@@ -279,15 +280,15 @@ namespace {
 // An edge of the grid whose ends are samples.
 struct OffsetSearch {
   std::uint32_t edge;
-  Vec3 lower, step;  // its lower end, and the way to its upper end
+  Vec3 lower, step;  // the lower end, and the vector to the upper end
   double t;
   double low = 0, high = 1;  // the crossing lies between them
 };
 
 constexpr int kMostRounds = 30;       // three are enough for most
-constexpr double kNearEnough = 1e-7;  // spacings: what a float of t can tell
+constexpr double kNearEnough = 1e-7;  // spacings: the resolution of t as a float
 
-// Finds as many as there are room for; `searches` is empty after it.
+// Finds the points of all searches, and empties `searches`.
 void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, std::span<HermitePoint> data,
                  ProgressMeter& progress) {
   std::vector<Vec3> asked;
@@ -301,7 +302,7 @@ void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, 
       OffsetSearch search = searches[n];
       const ClosestPoint& nearest = found[n];
       const double edge = max_norm(search.step), miss = nearest.distance - offset.distance;
-      if (!(nearest.distance > 0)) continue;  // on the mesh: no direction
+      if (!(nearest.distance > 0)) continue;  // on the mesh there is no direction
       // The gradient of the value, and its part along the edge, per edge.
       const Vec3 away = (asked[n] - nearest.point) * (1 / nearest.distance);
       const double slope = dot(away, search.step);
@@ -309,12 +310,12 @@ void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, 
       // The value must grow from the end inside to the end outside.
       const double grows = dot(outwards, search.step), expected = dot(data[search.edge].normal(), search.step);
       if (std::abs(miss) <= kNearEnough * edge) {
-        if (grows * expected <= 0) continue;  // another surface
+        if (grows * expected <= 0) continue;  // the point is on another surface
         data[search.edge].t = static_cast<float>(search.t);
         data[search.edge].set_normal(outwards);
         continue;
       }
-      // Newton's step, or half of what is left where it leads out: past a ridge another triangle is the closest one.
+      // Take Newton's step, or half of the interval if it leads out: past a ridge another triangle is the closest one.
       const bool is_inside = (miss > 0) == offset.inside, rises = expected > 0;
       (is_inside == rises ? search.low : search.high) = search.t;
       double next = search.t - miss / slope;
@@ -325,7 +326,7 @@ void find_points(std::vector<OffsetSearch>& searches, const MeshOffset& offset, 
     }
     searches.resize(left);
   }
-  searches.clear();  // where no point was found the interpolation stays
+  searches.clear();  // the interpolation stays where no point was found
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces of fields, and of meshes: of the field that a mesh needs, with what the mesh itself says of its surface.
+// Surfaces of fields; and surfaces of meshes, from a field that is computed for them and from the mesh itself.
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -47,10 +47,10 @@ void validate(const IsoOptions& options, const Grid& grid) {
     throw Error(ErrorCode::usage, "isosurface: there are no such coordinates; take automatic, single or full");
 }
 
-// Normals by differences are off by some hundredths: planes at angles below 25 degrees are taken for one.
+// The error of normals by differences is some hundredths: planes at angles below 25 degrees count as one.
 constexpr double kLevelTolerance = 0.05;
 
-// A field holds no surface of values that it is clamped to.
+// Throws Error{usage} unless the level is below the thickness: the field has no surface at clamped values.
 void expect_within(const DistanceField& field, double level) {
   if (std::abs(level) < static_cast<double>(static_cast<float>(field.thickness()))) return;
   throw Error(ErrorCode::usage, "isosurface: a surface at " + number_text(level) +
@@ -78,16 +78,15 @@ void add_surface(const DistanceField& field, double level, const IsoOptions& opt
   result.report.clearance = points.clearance();
 }
 
-// The source for a field of which nothing else is known.
+// The source for a field without a mesh.
 HermiteSource field_source() {
   return {[](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data, MemoryBudget&,
              ProgressMeter& progress) { hermite_of_field(blocks, points, data, progress); },
           kLevelTolerance};
 }
 
-// Adds the surface at options.at, and that at options.at - options.wall if there is a wall. `source_of` gives the
-// source of normals for each level. The steps are reported between `from` and 1 of the whole. Runs on the threads of
-// the calling TBB arena.
+// Adds the surface at options.at, and the surface at options.at - options.wall if there is a wall. `source_of` returns
+// the source of normals for a level. Reports progress from `from` to 1. Runs on the threads of the calling TBB arena.
 void extract(const DistanceField& field, const IsoOptions& options,
              const std::function<HermiteSource(double level)>& source_of, double from, MemoryBudget& budget,
              IsoResult& result, ProgressMeter& progress) {
@@ -121,7 +120,7 @@ std::int64_t count_components(const Mesh& mesh) {
   return components;
 }
 
-// Counts what the report says of the result.
+// Fills the counts of the report.
 void finish(const IsoOptions& options, IsoResult& result) {
   IsoReport& report = result.report;
   report.triangles = std::ssize(result.mesh.triangles);
@@ -130,7 +129,7 @@ void finish(const IsoOptions& options, IsoResult& result) {
   if (!options.examine || result.mesh.triangles.empty()) return;
   report.components = count_components(result.mesh);
   constexpr std::int64_t kMostPairs = 1'000'000, kTestsPerTriangle = 1000;
-  ProgressMeter progress(options.progress);  // the rest of the work is done
+  ProgressMeter progress(options.progress);  // all other work is done
   const SelfIntersections found =
       find_self_intersections(result.mesh, MeshEdges(result.mesh, progress),
                               {kMostPairs, kTestsPerTriangle * (report.triangles + 1000), 1, 1}, progress);
@@ -140,20 +139,20 @@ void finish(const IsoOptions& options, IsoResult& result) {
 
 constexpr const char* kCoarserGrid = "take fewer samples or a larger spacing, or provide more memory";
 
-// Positions and normals of a mesh are exact: planes at angles of a degree and more are told apart.
+// Positions and normals of a mesh are exact: planes at angles of a degree and more count as different.
 constexpr double kMeshTolerance = 1e-4;
 
-// How much of the whole time the field takes.
+// The field's share of the progress.
 constexpr double kFieldShare = 0.6;
 
-// Computes the field that reaches as far as the surface, its cells, and the samples around them.
+// Computes the field with a thickness that covers the surface, its cells, and the samples around them.
 ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) {
   ComputeOptions wanted;
   wanted.sign = sign;
   wanted.execution = options.execution;
   wanted.hash_mesh = false;
   wanted.memory_limit = options.memory_limit;
-  std::exception_ptr thrown;  // by the caller's callback: it passes unchanged
+  std::exception_ptr thrown;  // an exception of the caller's callback, which passes unchanged
   if (options.progress)
     wanted.progress = [&](const Progress& progress) {
       try {
@@ -172,7 +171,7 @@ ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign,
   }
 }
 
-// Closest points of the mesh. What finds them is made when it is first asked for: dual contouring alone does.
+// A function for closest points of the mesh. Its query is made on first use: only dual contouring uses it.
 ClosestFunction closest_in(MeshView mesh, const IsoOptions& options, MemoryBudget& budget) {
   const auto query = std::make_shared<std::optional<MeshQuery>>();
   return [mesh, query, &budget,
@@ -187,7 +186,7 @@ ClosestFunction closest_in(MeshView mesh, const IsoOptions& options, MemoryBudge
   };
 }
 
-// Where dual contouring looks for the surface at a level.
+// The source of dual contouring for the surface at a level.
 HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const ClosestFunction& closest, double level) {
   const bool is_shell = sign.method == SignMethod::shell;
   MeshOffset offset;
@@ -243,7 +242,7 @@ IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, c
     extract(
         computed.field, options, [&](double level) { return mesh_source(mesh, sign, closest, level); }, kFieldShare,
         budget, result, progress);
-    // Inside of a mesh no part of it is near the surface.
+    // A surface inside of the mesh shows no part of it.
     if (options.at >= 0) find_lost_parts(mesh, computed.field, options.at, budget, result.report, progress);
     finish(options, result);
   });

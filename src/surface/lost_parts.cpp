@@ -20,7 +20,7 @@ namespace standoff {
 namespace {
 
 constexpr std::size_t kMostLostPoints = 1 << 14, kMostCornerPoints = 1 << 16, kMostLostTriangles = 1 << 16;
-// Less of the area is the tips of edges and needles.
+// A smaller share of the area is only tips of edges and needles.
 constexpr double kLeastLostShare = 1e-3;
 
 enum class Fate : std::uint8_t { elsewhere, kept, lost };
@@ -41,10 +41,10 @@ Fate fate_of(const Vec3& p, const DistanceField& field, float level) {
   return Fate::lost;
 }
 
-// The parts of a mesh, numbered by their first triangles.
+// The parts of a mesh, numbered in the order of their first triangles.
 struct MeshParts {
-  std::vector<std::uint32_t> of;     // for each triangle
-  std::vector<std::uint32_t> first;  // for each part its first triangle
+  std::vector<std::uint32_t> of;     // by triangle: its part
+  std::vector<std::uint32_t> first;  // by part: its first triangle
 };
 
 MeshParts mesh_parts_of(MeshView mesh) {
@@ -72,7 +72,7 @@ MeshParts mesh_parts_of(MeshView mesh) {
 
 struct PointInTriangle {
   std::uint32_t triangle;
-  double u, v;  // of the corners after the first
+  double u, v;  // the weights of the second and third corners
 };
 
 double triangle_area(MeshView mesh, std::size_t t) {
@@ -80,7 +80,7 @@ double triangle_area(MeshView mesh, std::size_t t) {
   return length(cross(b - a, c - a)) / 2;
 }
 
-// Evenly over the area in the order of the triangles, and within triangles by Roberts's sequence.
+// Spreads points evenly over the area in the order of the triangles, and within triangles by Roberts's sequence.
 std::vector<PointInTriangle> spread_points(MeshView mesh) {
   double whole = 0, passed = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) whole += triangle_area(mesh, t);
@@ -118,7 +118,7 @@ std::vector<Fate> fates_of(MeshView mesh, std::span<const PointInTriangle> point
   return fates;
 }
 
-// About the thickness of the thinnest part that is lost and has a volume; 0 if none has.
+// The approximate thickness of the thinnest lost part with a volume; 0 if there is none.
 double least_thickness(MeshView mesh, const MeshParts& parts, const std::vector<Fate>& fates) {
   struct Sums {
     double volume = 0, area = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marching cubes: counts what each block adds, numbers it, and writes vertices and triangles.
+// Marching cubes: counts the vertices and triangles of each block, numbers them, and writes them.
 #include <array>
 #include <cmath>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace standoff {
 namespace {
 
-// What a block adds to the surface, beside its edges' vertices.
+// The counts of a block, beside its edges' vertices.
 struct CubeCounts {
   std::uint16_t centres = 0, triangles = 0;  // at most 512 cells of 12
 };
@@ -22,7 +22,7 @@ Vec3 edge_point(const EdgePoints& points, const Neighbourhood& values, int axis,
   return {x + (axis == 0 ? t : 0), y + (axis == 1 ? t : 0), z + (axis == 2 ? t : 0)};
 }
 
-// For each edge of a block, by axis and place, the number of its vertex among the block's; of crossed edges alone.
+// By axis and place: the number of an edge's vertex among the block's vertices, for crossed edges only.
 using Ranks = std::array<std::array<std::uint16_t, 512>, 3>;
 
 void emit_vertices(const Block& block, const Neighbourhood& values, const EdgePoints& points, float thickness,

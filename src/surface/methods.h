@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two methods that make a surface of blocks (docs/iso.md): marching cubes, the triangles of each cell, with
-// vertices on the edges of the grid; and dual contouring, with vertices in the cells and polygons around the crossed
-// edges. Dual contouring knows where the surface crosses an edge, and its normal there, from the field or from a mesh.
-// Then what of a mesh its surface shows nothing of, because no sample is inside there.
+// The two methods that make surfaces from blocks (docs/iso.md): marching cubes makes the triangles of each cell, with
+// vertices on the edges of the grid; dual contouring makes vertices in the cells and polygons around the crossed edges.
+// Dual contouring takes the crossing of an edge, and the normal there, from the field or from a mesh. And a search for
+// the parts of a mesh that its surface does not show, because no sample is inside them.
 #pragma once
 
 #include <functional>
@@ -19,13 +19,13 @@
 
 namespace standoff {
 
-/// Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped edges. Numbers
-/// the vertices of the blocks. `memory` is for scratch, its budget for the mesh. Runs on the threads of the calling TBB
-/// arena. Throws Error{limit}, Error{interrupted}.
+/// Marching cubes. Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped
+/// edges. Numbers the vertices of the blocks. Counts scratch memory in `memory`, and the mesh in its budget. Runs on
+/// the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
 void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
                  ProgressMeter& progress);
 
-/// What dual contouring knows of the surface on a crossed edge of the grid.
+/// The point and the normal of the surface on a crossed edge of the grid.
 struct HermitePoint {
   float t = 0.5f;             ///< from the lower end, in spacings of the edge's axis
   float x = 0, y = 0, z = 0;  ///< the unit normal, outwards
@@ -38,16 +38,16 @@ struct HermitePoint {
   }
 };
 
-/// From the field alone: interpolated, with the normal of central differences. `data` has an entry for each crossed
-/// edge, by Block::vertex(). Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+/// Makes points from the field alone: by interpolation, with normals by central differences. `data` has an entry for
+/// each crossed edge, by Block::vertex(). Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void hermite_of_field(const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data,
                       ProgressMeter& progress);
 
 /// The closest points of a mesh, without a sign.
 using ClosestFunction = std::function<std::vector<ClosestPoint>(std::span<const Vec3>)>;
 
-/// Of the surface of a mesh: the crossing with a triangle, exactly, and its normal. Where none is crossed, as in a hole
-/// that the sign closes, the field's data stay.
+/// Makes points from a mesh: the exact crossing with a triangle, and its normal. If an edge crosses no triangle, as in
+/// a hole that the sign closes, the point of the field stays.
 void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView mesh, const ClosestFunction& closest,
                      std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress);
 
@@ -55,31 +55,33 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
 struct MeshOffset {
   ClosestFunction closest;
   double distance = 0;  ///< positive
-  bool inside = false;  ///< on the side where values are negative
+  bool inside = false;  ///< the surface is on the side of negative values
 };
-/// Of that surface: where the exact distance is the offset's, and the direction to or from the closest point. Where no
-/// such point is found on the edge the field's data stay.
+/// Makes points from an offset: at the exact distance, with the direction to or from the closest point as normal. If no
+/// such point is found on an edge, the point of the field stays.
 void hermite_of_offset(const Blocks& blocks, const EdgePoints& points, const MeshOffset& offset,
                        std::span<HermitePoint> data, MemoryBudget& budget, ProgressMeter& progress);
 
-/// How positions and normals are found, and how far they are to be trusted.
+/// The source of positions and normals, and their accuracy.
 struct HermiteSource {
   std::function<void(const Blocks&, const EdgePoints&, std::span<HermitePoint>, MemoryBudget&, ProgressMeter&)> fill;
   double tolerance;  ///< PlaneFit::minimum
 };
 
-/// Adds to the mesh and to the report, as march_cubes() does.
+/// Dual contouring. Adds to the mesh and to the report, as march_cubes() does.
 void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
                     Mesh& mesh, IsoReport& report, ProgressMeter& progress);
 
-/// A point of the mesh is lost if none of the samples around it, those of its cell and of the 26 cells around that, is
-/// less than the level: then the surface is farther than a spacing away, and the point is outside. (A point with all
-/// samples inside, of a part within another one, is not lost.) Points beyond the grid do not count.
+/// Finds the parts of a mesh that its surface does not show, and sets the report's figures and its sentence about them.
 ///
-/// Sets the report's figures of lost parts, and their sentence. The share of the area is that of up to 2^14 points,
-/// evenly spread over it; a part, triangles that share positions directly or through others, is lost if all points
-/// are that were looked at: those, or a corner, and all corners and centres of up to 2^16 triangles in all. Linear in
-/// the mesh; its result does not depend on the number of threads. Runs on the threads of the calling TBB arena.
+/// A point of the mesh is lost if no sample of its cell and of the 26 cells around is less than the level: then the
+/// surface is farther than a spacing away, and the point is outside. (A point with all samples inside, of a part within
+/// another one, is not lost.) Points beyond the grid do not count.
+///
+/// The share of the area is estimated by up to 2^14 points, evenly spread over it. A part consists of triangles that
+/// share positions directly or through others. It is lost if all its tested points are lost: the points above, or a
+/// corner, and all corners and centres of up to 2^16 triangles in all. Takes time linear in the mesh; the result does
+/// not depend on the number of threads. Runs on the threads of the calling TBB arena.
 void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget, IsoReport& report,
                      ProgressMeter& progress);
 

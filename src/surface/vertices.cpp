@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the clearance of vertices and the numbers that hold it, and keeps within what can be numbered.
+// Chooses the clearance of vertices and the type of their coordinates, and limits their number.
 #include "surface/vertices.h"
 
 #include <limits>
@@ -11,11 +11,11 @@
 namespace standoff {
 namespace {
 
-// The least clearance, in spacings: far below what interpolation can know.
+// The least clearance, in spacings: far below the accuracy of interpolation.
 constexpr double kLeastCrossing = 0x1p-16;
-// With more the surface would be moved by more than a thousandth of the spacing: doubles are better.
+// A larger clearance for floats would move the surface by more than a thousandth of the spacing: doubles are better.
 constexpr double kMostForFloats = 0x1p-10;
-// More than this is not worth having, also if floats are asked for.
+// The largest clearance, even if floats are asked for.
 constexpr double kMostSnap = 0x1p-5;
 // Rounding moves a vertex by half a unit in the last place: two vertices that differ by four remain three apart.
 constexpr double kUnits = 4;
@@ -23,7 +23,7 @@ constexpr double kUnits = 4;
 }  // namespace
 
 EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) : grid_(grid), level_(level) {
-  double far = 0;  // in spacings: the largest coordinate of an axis against its spacing
+  double far = 0;  // the largest quotient of an axis' coordinate and its spacing
   double largest = 0, least = std::numeric_limits<double>::infinity();
   const Vec3 beyond = grid.position(grid.size.x + 1, grid.size.y + 1, grid.size.z + 1);
   const auto look = [&](double origin, double end, double spacing) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where vertices lie, why no two of them coincide, and how many can be numbered and kept.
+// The positions of vertices, and limits of their number.
 //
 // A vertex on an edge of the grid keeps a small distance from both ends, the *clearance*. Vertices on different edges
-// then differ by the clearance along some axis, and vertices inside a cell keep as far from its faces. The clearance is
-// so large that the numbers of the result, floats or doubles, hold the difference.
+// then differ by the clearance along some axis, and vertices inside a cell keep the same distance from its faces. The
+// clearance is so large that the coordinates of the result, floats or doubles, resolve it: so no two vertices coincide.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace standoff {
 
-/// Rounds to the 24 bits of a float: Veltkamp's splitting. Exact for all numbers that a normal float is near to.
+/// Rounds to the 24 bits of a float by Veltkamp's splitting. Exact for all numbers in the range of normal floats.
 inline double rounded_to_float(double value) {
   constexpr double kSplit = 536870913;  // 2^29 + 1
   const double scaled = value * kSplit;
@@ -26,24 +26,26 @@ inline double rounded_to_float(double value) {
 
 class EdgePoints {
  public:
-  /// Errors: usage (coordinates), limit (the grid is too far from the origin for its spacing).
+  /// Throws Error{usage} about the coordinates, and Error{limit} if the grid is too far from the origin for its
+  /// spacing.
   EdgePoints(const Grid& grid, double level, Coordinates coordinates);
 
   double level() const { return level_; }
-  /// In spacings.
+  /// The clearance, in spacings.
   double clearance() const { return clearance_; }
   bool are_floats() const { return floats_; }
 
-  /// Where between two samples of these values the interpolation has the level: from the clearance to 1 - clearance.
+  /// The place between two samples of these values where the interpolation has the level: from the clearance to 1 -
+  /// clearance.
   double crossing(float lower, float upper) const {
     const double a = lower - level_, b = upper - level_;
     if (std::isinf(a)) return std::isinf(b) ? 0.5 : 1 - clearance_;
     return kept(a / (a - b));  // 0 if the upper one is infinite
   }
-  /// The nearest number with that distance from 0 and 1.
+  /// The nearest number that keeps the clearance from 0 and 1.
   double kept(double t) const { return std::clamp(t, clearance_, 1 - clearance_); }
 
-  /// The point that is (x, y, z) spacings from the block's first sample, in the numbers of the result.
+  /// The point that is (x, y, z) spacings from the block's first sample, rounded to the coordinates of the result.
   Vec3 at(const std::array<std::int32_t, 3>& block, Vec3 local) const {
     const auto coordinate = [&](double origin, double spacing, std::int32_t first, double step) {
       const double c = origin + spacing * (8.0 * first + step);
@@ -61,12 +63,12 @@ class EdgePoints {
   bool floats_ = false;
 };
 
-/// What a thread counts of the surface it makes.
+/// The counts of a thread.
 struct SurfaceCounts {
   std::int64_t ambiguous = 0;  ///< ambiguous faces; both cells of a face count it
   std::int64_t clamped = 0, capped = 0;
 
-  /// A crossed edge between samples of these values, in a field of this thickness.
+  /// Counts a crossed edge between samples of these values, in a field of this thickness.
   void count_edge(float lower, float upper, float thickness, bool leaves_grid) {
     if (leaves_grid)
       ++capped;
@@ -79,10 +81,10 @@ struct SurfaceCounts {
   }
 };
 
-/// Throws Error{limit} if so many vertices cannot be numbered.
+/// Throws Error{limit} if this number of vertices exceeds 32-bit indices.
 void expect_countable(std::uint64_t vertices);
 
-/// Makes room for so many vertices and triangles in all. Throws Error{limit}.
+/// Makes room for this total number of vertices and triangles. Throws Error{limit}.
 void grow(Mesh& mesh, std::uint64_t vertices, std::uint64_t triangles, MemoryBudget& budget);
 
 }  // namespace standoff
