@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batches of collision queries with one thread and with two, taking turns; seconds by the clock on the wall.
+// Batches of collision queries with one thread and with two, in turns; wall-clock seconds.
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -19,7 +19,7 @@ struct Batches {
   int rounds = 9;
 };
 
-/// Answers one batch and forgets the answers.
+/// Answers a batch and drops the answers.
 void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses,
             const std::vector<RigidMotion>& motions, double tolerance, int threads) {
   const Execution execution{.threads = threads, .backend = Backend::cpu};
@@ -42,7 +42,7 @@ void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b
   }
 }
 
-/// Seconds of a batch, the least time of a turn being long enough to be measured.
+/// Seconds of a batch. A turn repeats it until the time is long enough to be measured.
 template <class Batch>
 double turn(Batch&& batch) {
   constexpr double kLeast_s = 0.2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writing a signed field with standoff: seconds, bytes and memory. The field is computed before; with --slabs it is
-// computed while it is written, and counts.
+// computed while it is written, which is timed too.
 #include <filesystem>
 
 #include "driver.h"
@@ -15,7 +15,7 @@ namespace {
 using namespace standoff;
 using bench::Workload;
 
-// Adds what one way of writing takes.
+// Adds the time, bytes and memory of a way of writing.
 void measure(const Workload& work, const std::string& file, nlohmann::json& line, const std::function<void()>& write) {
   bench::forget_peak();
   line["memory_before"] = bench::process_bytes("VmRSS");

@@ -18,7 +18,7 @@ struct Settings {
 nlohmann::json run(const PointWorkload& work, const Settings& settings) {
   MeshQueryOptions options;
   options.execution = {.threads = work.threads, .backend = Backend::cpu};
-  // As the peers decide: by the winding number of the mesh as it is.
+  // Decide as the peers do: by the winding number of the unrepaired mesh.
   if (settings.with_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";

@@ -22,7 +22,7 @@ struct Settings {
   std::string save;  // a folder, or nothing
 };
 
-// What Python reads: the slice's field too.
+// Saves the input for Python, the slice's field too.
 void save(const Workload& work, const DistanceField& field, const std::filesystem::path& folder) {
   bench::save_mesh(folder, work.mesh);
   if (field.grid().sample_count() == 0) return;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each sidecar adds to a band: the band with its nearest triangles and without, and the sidecars after it, in
-// turns.
+// The cost of each sidecar of a band: the band with and without nearest triangles, and the sidecars after it, in turns.
 #include <array>
 
 #include "driver.h"

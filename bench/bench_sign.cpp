@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sign adds to a field: the same field without and with it, in turns, in one process.
+// The cost of a sign: the same field without and with it, in turns, in one process.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -20,7 +20,7 @@ struct Settings {
   SignMethod method = SignMethod::winding;
   double remove = 0;  ///< share of the triangles, chosen at random
   double cut = 0;     ///< share of the box's longest side, from its low end
-  std::string save;   ///< the damaged mesh's file, for programs that are not ours
+  std::string save;   ///< the file for the damaged mesh, for other programs
   bool dense = false;
 };
 

@@ -14,7 +14,7 @@ namespace {
 using namespace standoff;
 using bench::Workload;
 
-/// Where the field goes.
+/// The output of compute_into.
 enum class Output {
   sparse,  ///< compute_into: the same field for each call, empty before the first
   dense,   ///< compute_into: the same memory for each call, untouched before the first

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bodies that are asked about.
+// Makes the bodies of collision queries.
 #include <algorithm>
 
 #include "collision_workload.h"

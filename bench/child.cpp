@@ -31,7 +31,7 @@ bool write_all(int file, const char* bytes, std::size_t size) {
 }
 
 [[noreturn]] void be_child(int file, const std::function<std::vector<double>()>& job) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody else would stop it
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nothing else would stop it
   try {
     const std::vector<double> values = job();
     _exit(write_all(file, reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)) ? 0 : 1);
@@ -41,7 +41,7 @@ bool write_all(int file, const char* bytes, std::size_t size) {
   }
 }
 
-/// Of the child so far. (A limit set with setrlimit would need no watching, but makes Linux count the child's processor
+/// The child's processor time so far. (A limit set with setrlimit would need no watching, but makes Linux count that
 /// time in ticks of some milliseconds.)
 double seconds_of(pid_t child) {
   clockid_t clock;
@@ -50,7 +50,7 @@ double seconds_of(pid_t child) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
-/// All there is until the other end closes; nothing once the child's time is up.
+/// Reads until the other end closes; nothing if the child's time is up before.
 std::optional<std::vector<char>> read_until(double limit_s, int file, pid_t child) {
   std::vector<char> bytes;
   for (double left_s = limit_s;;) {

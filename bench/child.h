@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A job that may take far too long: in a process of its own, which is stopped.
+// Runs a job that may take far too long in its own process, which can be stopped.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace standoff::bench {
 
-/// Runs the job in a copy of this process, made by fork, and returns what it returned; nothing where it took more than
-/// so many seconds of processor time. An error of the job goes to stderr; it and a crash end in a runtime_error here.
+/// Runs the job in a copy of this process, made by fork, and returns its result; nothing if it took more than `limit_s`
+/// seconds of processor time. An error of the job goes to stderr; an error or a crash becomes a runtime_error here.
 std::optional<std::vector<double>> run_in_child(double limit_s, const std::function<std::vector<double>()>& job);
 
 }  // namespace standoff::bench

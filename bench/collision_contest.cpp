@@ -15,10 +15,10 @@
 namespace standoff::bench {
 namespace {
 
-/// Whole rounds: in shorter turns each would first have to fetch what the other drove out of the caches.
+/// Turns are whole rounds: in shorter turns, each program would first have to refill its caches.
 constexpr int kRounds = 5;
-/// One pose is asked about again and again for so long, so that microseconds can be told from the clock's. Poses that
-/// are drawn are gone through once a turn: the quicker of both would get to know them by heart.
+/// A single pose is repeated for at least this time, so that microseconds can be measured. Random poses are visited
+/// once per turn: otherwise the faster program would find them in its caches.
 constexpr double kLeastTurn_s = 0.2;
 
 double cpu_seconds() {
@@ -31,10 +31,10 @@ struct Contest {
   CollisionSettings settings;
   std::vector<std::string> questions{"collide"};
   double limit_s = 120;  // FCL may take minutes where surfaces conform
-  double enough_s = 10;  // no new round after this much of both: what takes seconds needs no median of five
+  double enough_s = 10;  // no new round after this time of both: queries that take seconds need no median of five
 };
 
-/// A question all answer with a number.
+/// A question that all programs answer with a number.
 struct Asked {
   const CollisionSettings& settings;
   const Question& question;
@@ -60,7 +60,7 @@ double ask_standoff(const Asked& asked, const CollisionModel& a, const Collision
   return swept.hit ? swept.time : kFree;
 }
 
-/// Conservative advancement: the way is straight, so no point is faster than it is long.
+/// Conservative advancement: the path is straight, so its length bounds the speed of all points.
 double advance(const CollisionPeer& peer, const RigidMotion& motion, double tolerance) {
   const Vec3 way = motion.to.translation - motion.from.translation;
   const double length = std::sqrt(dot(way, way));
@@ -89,15 +89,15 @@ double ask_peer(const Asked& asked, const CollisionPeer& peer, std::size_t n) {
   return advance(peer, asked.motions[n], asked.settings.tolerance);
 }
 
-/// One's turns.
+/// The turns of one program.
 struct Side {
   std::vector<double> seconds;  ///< for all poses once, by round
   std::vector<double> answers;
   double spent = 0;
-  bool late = false;  ///< stopped at the limit, which is then its time
+  bool late = false;  ///< it was stopped at the limit, which then counts as its time
 };
 
-/// Asks about all poses, for at least so long.
+/// Asks about all poses, again and again for a minimum time.
 template <class Ask>
 void take_turn(Side& side, std::size_t poses, double least_s, double limit_s, Ask&& ask) {
   const auto turn = run_in_child(limit_s, [&] {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collision queries beside a peer's: both in one program, taking turns, so that a noisy machine disturbs both alike.
+// Collision queries of standoff and of a peer: both run in one program, in turns, so that a noisy machine disturbs both
+// equally.
 #pragma once
 
 #include <functional>
@@ -10,18 +11,19 @@
 
 namespace standoff::bench {
 
-/// What answers beside standoff. The first body rests where it was made, the second one is at the pose.
+/// A peer of standoff. The first body rests where it was made, the second one is at the pose.
 class CollisionPeer {
  public:
   virtual ~CollisionPeer() = default;
   virtual bool collide(const Pose& pose) const = 0;
-  /// Pairs of triangles that touch, with a point and a normal for each; the peer may stop at `most` points.
+  /// The number of pairs of triangles that touch, with a point and a normal for each; the peer may stop at `most`
+  /// points.
   virtual std::size_t contacts(const Pose& pose, std::size_t most) const = 0;
-  /// 0 where the bodies touch.
+  /// The distance; 0 if the bodies touch.
   virtual double distance(const Pose& pose) const = 0;
 };
 
-/// Builds the peer's models; its time is told as the time to build.
+/// Builds the peer's models; its time is reported as the build time.
 using MakePeer = std::function<std::unique_ptr<CollisionPeer>(const Mesh& a, const Mesh& b)>;
 
 /// A driver: prints a JSON line for each question. For use in main.

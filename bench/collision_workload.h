@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two bodies, where the second one is, and what is asked: shared by the drivers that measure collision queries.
+// Two bodies, the poses of the second one, and the queries: shared by the drivers that measure collision queries.
 #pragma once
 
 #include <map>
@@ -15,43 +15,43 @@ class App;
 
 namespace standoff::bench {
 
-/// A scene made by code, or a mesh file where the name has a slash.
+/// A scene made by code, or a mesh file if the name has a slash.
 struct BodySource {
   std::string name;
-  std::int64_t triangles = 0;  ///< of a scene; a file's edges are halved until there are so many. 0: as they are
-  double size = 0;             ///< scaled until the longest side of its box is this, about its middle. 0: as it is
+  std::int64_t triangles = 0;  ///< of a scene; a file's edges are halved until it has this many. 0: unchanged
+  double size = 0;             ///< scales the body about its middle to this longest side of its box. 0: unchanged
 };
-/// Errors: usage and input, as the library's.
+/// Throws the library's errors: usage and input.
 Mesh make_body(const BodySource& source);
 
 struct CollisionSettings {
   BodySource a{"labyrinth"}, b{"fly"};
   std::size_t poses = 10'000;
   double hits = 0.45;             ///< the share of poses that collide
-  double way = 0.5;               ///< of a sweep
-  std::vector<double> direction;  ///< of all sweeps; random where empty
-  double tolerance = 1e-4;        ///< of a sweep
+  double way = 0.5;               ///< the length of a sweep
+  std::vector<double> direction;  ///< the direction of all sweeps; random if empty
+  double tolerance = 1e-4;        ///< the tolerance of a sweep
 };
 void add_options(CLI::App& app, CollisionSettings& settings);
 
-/// At most so many contacts are asked for, unless all are.
+/// The most contacts of a query, unless it asks for all.
 inline constexpr std::int64_t kContacts = 100, kAllContacts = 1'000'000'000;
 
-/// Poses of b where a question says (question.h); drawn, but always the same ones. Keeps references.
+/// Random poses of b as a question places it (question.h), the same in every run. Keeps references.
 class PosesDrawn {
  public:
   PosesDrawn(const CollisionSettings& settings, const CollisionModel& a, const CollisionModel& b)
       : settings_(settings), a_(a), b_(b) {}
-  /// Errors: runtime_error where there seems to be no such pose.
+  /// Throws runtime_error if there seems to be no such pose.
   std::vector<Pose> of(const Question& question);
 
  private:
   const CollisionSettings& settings_;
   const CollisionModel &a_, &b_;
-  /// The last ones drawn for a placing: to bring a pose to a gap takes longer than to ask about it.
+  /// The last poses of each placing: moving a pose to a gap takes longer than a query.
   std::map<std::string, std::vector<Pose>> known_;
 };
-/// A straight way from each pose.
+/// A straight motion from each pose.
 std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Question& question,
                                       const std::vector<Pose>& poses);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Do two programs compute the same field?
+// Compares the fields of two programs.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline std::vector<float> exact_field(const Workload& work) {
   return values;
 }
 
-/// Counts band samples on both sides and measures how far `values` (clamped to the thickness) are from the exact field.
+/// Counts the band samples of both fields, and measures the errors of `values` (clamped to the thickness).
 inline nlohmann::json compare_with_exact(const Workload& work, std::span<const float> values) {
   const std::vector<float> exact = exact_field(work);
   const auto thickness = static_cast<float>(work.thickness);

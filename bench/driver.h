@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the main functions of all drivers do.
+// The common main function of all drivers.
 #pragma once
 
 #include <exception>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the drivers of Embree share: the mesh in single precision, its scene, and the search of a point query.
+// The common part of Embree's drivers: the mesh in single precision, its scene, and the search of a point query.
 #pragma once
 
 #include <embree3/rtcore.h>

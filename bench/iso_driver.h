@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the drivers of surfaces share: their options.
+// The common options of the drivers of surfaces.
 #pragma once
 
 #include <functional>

@@ -26,7 +26,7 @@ inline double median(std::vector<double> values) {
   return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
-/// A line of /proc/self/status that counts kilobytes, in bytes; 0 where the system has no such file.
+/// The bytes of a line of /proc/self/status that counts kilobytes; 0 if the system has no such file.
 inline std::int64_t process_bytes(const std::string& key) {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -38,7 +38,7 @@ inline std::int64_t process_bytes(const std::string& key) {
   return 0;
 }
 
-/// Makes the peak start again from what is in use now, so that loading the mesh does not count.
+/// Resets the peak to the memory in use now, so that loading the mesh does not count.
 inline void forget_peak() {
   malloc_trim(0);
   std::ofstream("/proc/self/clear_refs") << "5";
@@ -79,7 +79,7 @@ auto measure(int repeats, Measured& measured, Job&& job) {
   return std::move(*result);
 }
 
-/// Seconds since it was made: on the wall, and of all processors for this process.
+/// Seconds since its construction: of the wall clock, and of all processors for this process.
 class Clock {
  public:
   double wall() const { return now() - wall_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A field of ours as a grid of OpenVDB: the same values in a level set.
+// A field of standoff as a grid of OpenVDB: the same values in a level set.
 #pragma once
 
 #include <openvdb/openvdb.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coal's answers to collision queries: BVHs of OBBRSS, as FCL's, of which it is the successor.
+// Coal's answers to collision queries, with BVHs of OBBRSS, as in FCL, whose successor it is.
 #include <coal/BVH/BVH_model.h>
 #include <coal/collision.h>
 #include <coal/distance.h>

@@ -19,8 +19,8 @@ using namespace standoff::bench;
 
 constexpr std::int64_t kBrick = 16;
 
-/// Queries the samples of one brick in a snake, so that each sample is one step away from the one before it: its
-/// nearest triangle is no further than the triangle found there. `thickness` bounds every search.
+/// Queries the samples of a brick along a snake, so that each sample is a step away from the one before it: the
+/// triangle found there bounds the search. `thickness` bounds every search too.
 class BrickWalk {
  public:
   BrickWalk(RTCScene scene, const FloatMesh& mesh, const standoff::Grid& grid, double thickness, float* out, bool cull)
@@ -54,7 +54,7 @@ class BrickWalk {
  private:
   static constexpr unsigned kNothing = std::numeric_limits<unsigned>::max();
 
-  /// One query for the whole brick: nothing within the thickness of any of its samples? Then it is all thickness.
+  /// Whether a single query shows that no triangle is within the thickness of any sample of the brick.
   bool out_of_reach(standoff::Size3 first, standoff::Size3 end) {
     const standoff::Vec3 a = grid_.position(first.x, first.y, first.z);
     const standoff::Vec3 b = grid_.position(end.x - 1, end.y - 1, end.z - 1), center = 0.5 * (a + b);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embree's point query at single points, in three forms: as they come, in Morton order, and in Morton order with each
-// search bounded by the triangle that was nearest to the point before.
+// Embree's point query at single points, in three forms: in the given order, in Morton order, and in Morton order with
+// each search bounded by the triangle that was nearest to the point before.
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -48,7 +48,8 @@ std::vector<std::uint32_t> morton_order(const std::vector<Float3>& points) {
   return order;
 }
 
-/// All points, in the order given or as they come; `bounded`: begins with the triangle of the point before.
+/// Queries all points, in the order of `order` or as they come; `bounded`: each search begins with the triangle of the
+/// point before.
 void query_all(RTCScene scene, const FloatMesh& mesh, const std::vector<Float3>& points,
                const std::vector<std::uint32_t>* order, bool bounded, std::vector<float>& out) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 256), [&](const auto& range) {

@@ -40,7 +40,7 @@ class Fcl : public bench::CollisionPeer {
 
   std::size_t contacts(const Pose& pose, std::size_t most) const override {
     const fcl::CollisionResultd result = run({most, true}, pose);
-    // Two points of one pair follow each other.
+    // Points of the same pair follow each other.
     std::size_t pairs = 0;
     for (std::size_t n = 0; n < result.numContacts(); ++n) {
       const auto& now = result.getContact(n);

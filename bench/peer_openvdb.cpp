@@ -16,7 +16,7 @@ namespace {
 using standoff::Vec3;
 using standoff::bench::Workload;
 
-/// The mesh in the form meshToVolume likes best: index space, single precision. Made before the timing.
+/// The mesh in the form that is fastest for meshToVolume: index space, single precision. Made before the timing.
 struct IndexMesh {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;

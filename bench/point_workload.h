@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the drivers of points measure: distances of many points from one mesh, given by the same options to all of them.
+// The workload of the drivers of points: distances of many points from a mesh, with the same options for all drivers.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@
 
 namespace standoff::bench {
 
-/// Where points are.
+/// The places of points.
 enum class PointSet {
   box,   ///< uniformly random in the mesh's box, grown to 1.5 times its sides about its centre
   near,  ///< random points of the surface, displaced by up to 1 % of the box's longest side in random directions
 };
 
-/// The points of one set: the same on every machine and for every driver.
+/// The points of a set, the same on every machine and for every driver.
 std::vector<Vec3> make_points(const Mesh& mesh, PointSet set, std::int64_t count, std::uint64_t seed);
 
 /// One job: the distances of these points.
@@ -43,7 +43,7 @@ class PointOptions {
  public:
   explicit PointOptions(CLI::App& app);
   /// With --save it also writes the mesh and the points for peers in other languages, as raw little-endian arrays:
-  /// vertices.f64, triangles.u32, points.f64. Errors: usage and input, as the library's.
+  /// vertices.f64, triangles.u32, points.f64. Throws the library's errors: usage and input.
   PointWorkload make() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the second of two bodies is placed, and the ways it is swept along.
+// Draws the poses and the motions of the second of two bodies.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -21,7 +21,7 @@ class Dice {
     const double z = between(-1, 1), angle = between(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
     return {r * std::cos(angle), r * std::sin(angle), z};
   }
-  /// On a random triangle.
+  /// A point on a random triangle.
   Vec3 point_of(MeshView mesh) {
     const auto n = static_cast<std::size_t>(between(0, static_cast<double>(mesh.triangles.size())));
     const Triangle& t = mesh.triangles[n];
@@ -37,7 +37,7 @@ class Dice {
 
 using Draw = std::function<std::optional<Pose>(Dice&)>;
 
-/// Drawn again where nothing comes out, but not for ever.
+/// Draws again if a draw fails, but not for ever.
 std::vector<Pose> draw_poses(std::size_t count, const Draw& draw) {
   Dice dice;
   std::vector<Pose> poses;
@@ -65,15 +65,15 @@ std::vector<Pose> in_the_box(std::size_t count, double share, const CollisionMod
   });
 }
 
-/// Turned at random, b comes straight from afar, so that a point of its surface would at last meet one of a's; it stops
-/// where the bodies are `gap` apart, within 1 %, for the first time.
+/// Rotated at random, b approaches from far away on a straight line, along which a point of its surface would meet a
+/// point of a's surface. It stops where the bodies are `gap` apart, within 1 %, for the first time.
 struct Approach {
   Pose pose;
-  Vec3 back;  ///< unit length, where it came from
+  Vec3 back;  ///< unit length, the direction that it came from
 };
 
 std::optional<Approach> approach(Dice& dice, double gap, const CollisionModel& a, const CollisionModel& b) {
-  constexpr int kSteps = 300;  // grazing ways take more; another one is drawn then
+  constexpr int kSteps = 300;  // a grazing line takes more; then another one is drawn
   Pose pose = make_pose(dice.direction(), dice.between(0, 2 * std::numbers::pi), {});
   const Vec3 meeting = dice.point_of(a.mesh()) - rotate(pose, dice.point_of(b.mesh()));
   const Vec3 back = dice.direction(), sides = a.bounds().extent() + b.bounds().extent();
@@ -101,7 +101,7 @@ std::vector<Pose> in_each_other(std::size_t count, double depth, const Collision
     std::optional<Approach> found = approach(dice, gap, a, b);
     if (!found) return {};
     found->pose.translation = found->pose.translation - found->back * (gap + depth);
-    if (!collide(a, {}, b, found->pose).hit()) return {};  // past an edge that it came near to
+    if (!collide(a, {}, b, found->pose).hit()) return {};  // it passes an edge that it only came near to
     return found->pose;
   });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays as raw little-endian files: how drivers hand meshes, points and answers to programs in other languages.
+// Arrays as raw little-endian files, by which drivers pass meshes, points and answers to programs in other languages.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ void write_raw(const std::filesystem::path& path, const T* values, std::size_t c
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
-/// vertices.f64 and triangles.u32 in `folder`, which is made if need be.
+/// Writes vertices.f64 and triangles.u32 to `folder`, which it makes if necessary.
 inline void save_mesh(const std::filesystem::path& folder, const Mesh& mesh) {
   std::filesystem::create_directories(folder);
   write_raw(folder / "vertices.f64", mesh.vertices.data(), mesh.vertices.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed field of a workload, which surfaces are made of and files hold.
+// The signed field of a workload, for surfaces and files.
 #pragma once
 
 #include "standoff/compute.h"

@@ -18,7 +18,7 @@ void place(Mesh& mesh, Vec3 extent, Vec3 scale) {
   for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale + 0.5 * extent;
 }
 
-/// The scale per axis with which the mesh's box, grown by `margin`, is as large as `extent`.
+/// The scale per axis that makes the mesh's box, grown by `margin`, as large as `extent`.
 Vec3 filling(const Mesh& mesh, Vec3 extent, double margin) {
   const Vec3 target = extent - Vec3{2, 2, 2} * margin, old = bounds(mesh).extent();
   if (target.x < 0 || target.y < 0 || target.z < 0)
@@ -27,14 +27,15 @@ Vec3 filling(const Mesh& mesh, Vec3 extent, double margin) {
   return {factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
 }
 
-/// Cubic cells, `samples` on the longest side, the outermost ones at least `thickness` samples away from the mesh.
+/// A grid of cubic cells with `samples` on the longest side; the outermost samples are at least `thickness` samples
+/// away from the mesh.
 Grid padded_grid(const Box& box, std::int64_t samples, double thickness) {
   const Vec3 e = box.extent();
   const double spacing = std::max({e.x, e.y, e.z}) / (static_cast<double>(samples - 1) - 2 * thickness);
   return fit_samples(box, samples, {.length = thickness * spacing, .least_samples = 0});
 }
 
-/// Cubic cells in a cube of samples centred on the mesh, whose box grown by `thickness` samples it holds.
+/// A cube of samples with cubic cells, centred on the mesh, that holds the mesh's box grown by `thickness` samples.
 Grid cube_grid(const Box& box, std::int64_t samples, double thickness) {
   const Vec3 e = box.extent();
   const double intervals = static_cast<double>(samples - 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every driver measures: a mesh on a grid, given by the same command line options to all of them.
+// The workload of all drivers: a mesh on a grid, with the same command line options for all drivers.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ namespace standoff::bench {
 /// One job: fill this grid with this mesh's distances.
 struct Workload {
   std::string source;  ///< the scene's name or the file's
-  Mesh mesh;           ///< world units; stretched already where the options say so
+  Mesh mesh;           ///< world units; already stretched if the options say so
   Grid grid;
   double thickness = 0;  ///< world units; infinite for a full field
   int threads = 2;
   int repeats = 5;     ///< calls in this process: the first is cold, the others warm
   bool check = false;  ///< compare with another way of computing the same field, after the timing
 
-  bool full() const;  ///< every sample's distance is asked for
-  /// What the JSON lines of all drivers share.
+  bool full() const;  ///< whether every sample's distance is asked for
+  /// The common part of the JSON lines of all drivers.
   nlohmann::json describe() const;
 };
 
@@ -34,7 +34,7 @@ struct Workload {
 class WorkloadOptions {
  public:
   explicit WorkloadOptions(CLI::App& app);
-  /// Errors: usage and input, as the library's.
+  /// Throws the library's errors: usage and input.
   Workload make() const;
 
  private:

@@ -158,7 +158,7 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
   }
 }
 
-// One field for jobs of all kinds, one after the other: nothing of one is left in the next.
+// One field takes jobs of all kinds, one after another: no job leaves anything for the next.
 TEST(ComputeIntoAField, GivesWhatComputeGives) {
   DistanceField field;
   const Grid grids[] = {kComputeGrid, {{9, 70, 20}, {-2, -3, -1}, {0.5, 0.1, 0.2}}, {{1, 1, 1}, {}, {1, 1, 1}}};

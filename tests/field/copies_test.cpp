@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes that place a part again and again where it is: copies change no answer and cost nothing, but count for winding
-// numbers.
-// labels: memory threads
+// Scenes that place a part again and again in one place: copies change no distance and cost nothing, but count for
+// winding numbers. labels: memory threads
 #include "field/skip.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +50,7 @@ TEST(Copies, ManyAreNoticed) {
   mesh.triangles.insert(mesh.triangles.begin() + 777, 2000, mesh.triangles[5000]);
   EXPECT_TRUE(has_many_copies(mesh));
   EXPECT_EQ(without(mesh).size(), 20000u);
-  // Turned, or moved to -0, a triangle is another one.
+  // A triangle that is reversed, or moved to -0, is no copy.
   Mesh two_sided = random_soup(3, 2000, 1, 0.1);
   for (std::size_t n = 0; n < 2000; ++n) {
     const Triangle t = two_sided.triangles[n];
@@ -108,7 +107,7 @@ TEST(Copies, ChangeNoBitOfAField) {
       EXPECT_EQ(automatic, values(SkipRule::Kind::automatic, one, of_one));
       EXPECT_EQ(dropped.skipped, 19 * 60);
       EXPECT_EQ(kept.skipped, 0);
-      // They cost what one costs.
+      // All copies together cost as much as one.
       EXPECT_EQ(dropped.samples_examined, of_one.samples_examined);
       EXPECT_GT(kept.samples_examined, 10 * of_one.samples_examined);
     }
@@ -135,7 +134,7 @@ TEST(Copies, ChangeNoAnswerAtPoints) {
   }
 }
 
-// What is there twice has the winding number 2: the parity says outside.
+// A solid that is there twice has the winding number 2, which is outside by parity.
 TEST(Copies, CountForTheSign) {
   const Mesh one = sphere(), mesh = repeated(one, 4);
   const MeshQuery query(mesh, {{.method = SignMethod::winding, .as_oriented = true}, {}, {}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The grid that is fitted for a thickness holds the whole band. README's example once cut it off: the surface at half
-// the thickness had 870 open edges.
+// A grid that is fitted for a thickness holds the whole band. README's example once cut the band off: the surface at
+// half the thickness had 870 open edges.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(FittedGrid, HoldsTheWholeBand) {
       expect_whole_band(mesh, fit_spacing(box, {h, h / 2, h}, thickness), thickness);
       expect_whole_band(mesh, fit_size(box, {40, 20, 30}, thickness), thickness);
     }
-    // A band in samples.
+    // The band may be given in samples.
     const Grid grid = fit_samples(box, 40, {.samples = 3});
     expect_whole_band(mesh, grid, 3 * grid.spacing.x);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh and grid so far apart, or so uneven, that squared distances in float would mean nothing: an error, by both
-// methods, where fields of infinities, a loop without end and a crash were seen.
+// If mesh and grid are so far apart, or spacings so uneven, that squared distances do not fit into float, both methods
+// report an error. Once there were fields of infinities, an endless loop and a crash.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory: what a computation says that it needs against what it takes, and what happens when there is none.
+// Memory: compares the bytes that a computation says it needs with the bytes that it takes, and tests failing
+// allocations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ Grid cube(std::int64_t side, Vec3 origin, double extent) {
   return {{side, side, side}, origin, {spacing, spacing, spacing}};
 }
 
-// What TBB, the callback and the texts of a report take.
+// Bytes for TBB, the callback and the texts of a report.
 constexpr std::int64_t kSmallThings = 64 << 10;
 
 void expect_enough(const Mesh& mesh, double thickness) {
@@ -87,7 +88,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
     return memory_needed(mesh, grid, thickness, options);
   };
-  // Triangles of one place lie in the same tiles, but the bound adds them up; those off the grid count nothing.
+  // Triangles in one place share tiles, but the bound adds them up; triangles off the grid do not count.
   const auto mesh_of = [](int count, double at) {
     Mesh mesh;
     for (int n = 0; n < count; ++n) {
@@ -132,7 +133,7 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
       }
 }
 
-// What signs and nearest triangles take. Slabs may have 32 MiB of crossings; those of a ball fit in a part of one.
+// Signs and nearest triangles take memory too. Slabs may have 32 MiB of crossings; a ball has far fewer.
 TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
   constexpr std::int64_t kMostCrossings = 32 << 20, kCrossings = 80 * 80 * 2 * 16;
   const Grid grid = cube(80, {-1.25, -1.25, -1.25}, 2.5);
@@ -156,7 +157,7 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
       }
 }
 
-// A wall along the whole of a column: with and without the file, what is held is one slab, however many there are.
+// A wall along a whole column: with and without the file, only one slab is in memory, however many there are.
 TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
   const TempFolder folder;
   const auto most_of = [&](std::int64_t slabs, double thickness, bool written) {
@@ -175,7 +176,8 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
   for (const double thickness : {2.0, kInfinity})
     for (const bool written : {false, true}) {
       const std::int64_t few = most_of(6, thickness, written), many = most_of(48, thickness, written);
-      // 48 full slabs have 50 MB of values. Counters of bricks, and crossings up to their limit, are those of the grid.
+      // 48 full slabs have 50 MB of values. Only counters of bricks, and crossings up to their limit, grow with the
+      // grid.
       EXPECT_LT(many, few + (std::int64_t{2} << 20)) << thickness;
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// memory_needed() is an upper bound: what computations of many kinds of meshes hold on the heap, against what was said.
+// memory_needed() is an upper bound of the heap memory of computations, for many kinds of meshes.
 // labels: none
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using testing::add_triangle;
 using testing::kInfinity;
 using testing::Random;
 
-// All in [-1, 1]^3 or a little beyond.
+// All meshes are in [-1, 1]^3 or a little beyond.
 struct Kind {
   std::string name;
   Mesh mesh;
@@ -67,7 +67,7 @@ Grid grid_of(Size3 size) {
   return {size, {-1, -1, -1}, {spacing, spacing, spacing}};
 }
 
-// What TBB, the callback and the texts of a report take.
+// Bytes for TBB, the callback and the texts of a report.
 constexpr std::int64_t kSmallThings = 64 << 10;
 
 void expect_enough(const Kind& kind, const Grid& grid, double thickness, const ComputeOptions& options) {
@@ -109,8 +109,8 @@ TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   }
 }
 
-// What is needed beside the output must not grow with the candidates that the triangles' sizes make: 60,000 triangles
-// as large as a full field's grid held 35 MiB of lists that nobody had counted.
+// The memory beside the output must not grow with the number of candidates: 60,000 triangles as large as a full field's
+// grid once had 35 MiB of lists that were not counted.
 TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
   const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
   const Grid grid = grid_of({20, 20, 20});
@@ -122,8 +122,8 @@ TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
   EXPECT_GT(compute(mesh, grid, kFullField, options).report.samples_band, 0);
 }
 
-// Where candidates are too many for a list they come in parts. A field is the least of its parts' fields, bit for bit,
-// so what is computed in one part each must give what all of them give.
+// If candidates are too many for a list, they come in parts. A field is the minimum of the fields of the mesh's parts,
+// bit for bit, so the fields of small parts, which need one list each, must give the same.
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
   const ComputeResult whole = testing::computed(mesh, grid, kInfinity);
   std::vector<float> least(static_cast<std::size_t>(grid.sample_count()), std::numeric_limits<float>::infinity());
@@ -142,7 +142,8 @@ void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
       }
   }
   EXPECT_EQ(testing::bits_of(whole.field.to_dense()), testing::bits_of(least));
-  // Equally near after the square root may differ before it: then the nearest may be of another part.
+  // Distances that are equal after the square root may differ before it: then the nearest triangle may be in another
+  // part.
   const std::vector<std::uint32_t> all = testing::all_nearest(whole.field);
   std::size_t different = 0;
   for (std::size_t n = 0; n < all.size(); ++n) different += all[n] != nearest[n];

@@ -29,7 +29,7 @@ struct BoxOnGrid {
     return mesh;
   }
   enum class Place { off, inside_of_a_face, on_an_edge };
-  // Where a sample lies: on no face, or on one, there within one of its two triangles, or on an edge or a diagonal.
+  // The place of a sample: off the surface, inside a face's triangle, or on an edge or a diagonal.
   Place place(std::int64_t i, std::int64_t j, std::int64_t k) const {
     const std::array<std::int64_t, 3> at{i, j, k};
     int across = -1, faces = 0;
@@ -53,7 +53,7 @@ const BoxOnGrid kBoxes[] = {
     {{{40, 41, 42}, {0, 0, 0}, {1e-3, 1e-3, 1e-3}}, {3, 3, 3}, {35, 36, 37}},  // long triangles
 };
 
-// The samples within faces have the value 0, all others on the surface are within the promise.
+// Samples inside faces have the value 0; all others on the surface are within the promised error.
 void expect_zeros(const BoxOnGrid& box, double thickness, const ComputeOptions& options, const std::string& what) {
   SCOPED_TRACE(what);
   const DistanceField field = compute(box.mesh(), box.grid, thickness, options).field;
@@ -77,8 +77,8 @@ void expect_zeros(const BoxOnGrid& box, double thickness, const ComputeOptions& 
   EXPECT_EQ(wrong, 0);
 }
 
-// The normal's component was 1 but for a rounding, and so was the sample's height over the plane: 81 of 81 samples on
-// the faces of a unit cube had 3.7e-9.
+// The normal's component once differed from 1 by a rounding, and so the sample's height over the plane from 0: 81 of 81
+// samples on the faces of a unit cube had 3.7e-9.
 TEST(OnSurface, SamplesWithinFacesAcrossAnAxisHaveTheValueZero) {
   for (std::size_t n = 0; n < std::size(kBoxes); ++n) {
     const BoxOnGrid& box = kBoxes[n];
@@ -99,7 +99,7 @@ TEST(OnSurface, SamplesWithinFacesAcrossAnAxisHaveTheValueZero) {
   }
 }
 
-// Any triangle of samples: whether a sample lies on it is decided by whole numbers.
+// Whether a sample lies on a triangle whose corners are samples: whole numbers decide it.
 bool lies_on(const std::array<std::array<std::int64_t, 3>, 3>& t, const std::array<std::int64_t, 3>& p) {
   const auto minus = [](const auto& a, const auto& b) {
     return std::array<std::int64_t, 3>{a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -121,7 +121,7 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
   int on = 0, zeros = 0;
   double worst = 0;
   for (int n = 0; n < 60; ++n) {
-    // Within some samples of each other, or anywhere.
+    // Corners within some samples of each other, or anywhere.
     const std::uint32_t reach = n % 2 ? 5 : 33;
     std::array<std::array<std::int64_t, 3>, 3> corners;
     Mesh mesh;
@@ -145,8 +145,8 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
   EXPECT_LE(worst, 1e-6 * 16);
 }
 
-// A sample on the surface of a closed mesh stands for the point beside it in +y; where that is on the surface too, in
-// +z, then in +x.
+// A sample on the surface of a closed mesh has the sign of the point next to it in +y; if that is on the surface too,
+// of the point in +z, then in +x.
 TEST(OnSurface, WhereTheValueIsNotZeroItsSideIsThatOfThePointBeyondInY) {
   const BoxOnGrid& box = kBoxes[1];
   ComputeOptions options;

@@ -39,8 +39,9 @@ Grid around(const Mesh& mesh, std::int64_t samples) {
 
 bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
-// Outside nothing changes, but for the rounding of samples whose nearest point is on the edge of an internal triangle
-// too; `bits` where there are none. Inside values get farther from 0. Returns how many values changed.
+// Outside, values do not change, except by rounding if a sample's nearest point is also on the edge of an internal
+// triangle; `bits`: there are none, so bits are equal. Inside, values move away from 0. Returns how many values
+// changed.
 int compare_with_all(const Mesh& mesh, const Grid& grid, bool bits, double thickness = kFullField) {
   const DistanceField all = field_of(mesh, grid, kAll, thickness).field,
                       outer = field_of(mesh, grid, kOuter, thickness).field;
@@ -85,7 +86,7 @@ TEST(Outer, ASolidInASolidIsAsIfItWereNotThere) {
 }
 
 TEST(Outer, OverlappingBoxesHaveTheDistanceOfTheirUnion) {
-  // The edges where they meet are edges of the mesh, so no triangle is cut.
+  // The boxes meet along edges of the mesh, so no triangle is cut.
   const Mesh mesh = joined(fine_box({0, 0, 0}, {1, 1, 1}, 4), fine_box({0.5, 0.25, 0.25}, {1.5, 0.75, 0.75}, 4));
   const std::vector<Box> surface = {{{0, 0, 0}, {0, 1, 1}},           {{0, 0, 0}, {1, 0, 1}},
                                     {{0, 1, 0}, {1, 1, 1}},           {{0, 0, 0}, {1, 1, 0}},
@@ -117,8 +118,8 @@ TEST(Outer, WhereTrianglesAreCutValuesInsideAreLowerBounds) {
   const ComputeResult outer = field_of(mesh, grid, kOuter);
   EXPECT_GT(outer.report.sign.cut, 50);
   EXPECT_GT(outer.report.sign.internal, 300);
-  // On the line through both, far from all that is cut, the sides of the smaller one are nearest; in the plane of the
-  // larger one's side the rim is, or a triangle that is cut there.
+  // On the line through both boxes, far from cut triangles, the sides of the smaller one are nearest; in the plane of
+  // the larger one's side, the rim or a cut triangle is.
   const auto value = [&](const Vec3& p) {
     const Grid one{{1, 1, 1}, p, {1, 1, 1}};
     return -double(field_of(mesh, one, kOuter).field.value(0, 0, 0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The step before the backend: which of several faults is told, and what is none.
+// The step before the backend: which of several faults it reports, and what is no fault.
 #include "field/prepare.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace standoff {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-// Nearly all tiles of so large a grid lie far from the mesh: whether the field fits is told by the triangles alone.
+// Nearly all tiles of this large grid lie far from the mesh: only the triangles decide whether the field fits.
 const Grid kPrepareGrid{{400, 400, 400}, {-10, -10, -10}, {0.05, 0.05, 0.05}};
 constexpr double kThickness = 0.1;
 
@@ -26,17 +26,17 @@ ComputeOptions limited(std::int64_t bytes) {
   return options;
 }
 
-MeshLook look(const Mesh& mesh) {
+MeshScan look(const Mesh& mesh) {
   const ComputeOptions options = limited(0);
   const Plan plan =
       make_plan(static_cast<std::int64_t>(mesh.triangles.size()), kPrepareGrid, kThickness, options, false);
-  return look_at(mesh, plan, true);
+  return scan_mesh(mesh, plan, true);
 }
 
-// The look goes over vertices in a row, also those that no triangle uses: these may be anything.
+// The scan reads all vertices, also those that no triangle uses: these may be anything.
 TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
   const Mesh mesh = small_mesh();
-  const MeshLook expected = look(mesh);
+  const MeshScan expected = look(mesh);
   EXPECT_TRUE(expected.is_near);
   EXPECT_GT(expected.tiles, 0);
   EXPECT_LT(expected.tiles, 50 * 50 * 50);
@@ -51,7 +51,7 @@ TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
   }
 }
 
-// An illegal mesh first, then too little memory, then a mesh too far away.
+// An invalid mesh is reported first, then too little memory, then a mesh too far away.
 TEST(Prepare, TheFirstFaultIsTold) {
   const auto message = [](const Mesh& mesh, std::int64_t bytes) -> std::string {
     try {

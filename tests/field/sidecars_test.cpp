@@ -31,7 +31,7 @@ ComputeOptions with_nearest(SignMethod sign = SignMethod::none) {
   return options;
 }
 
-// Of one sample.
+// The sidecars of a sample.
 struct Beside {
   Vec3 at, closest, gradient;
   std::array<double, 3> weights;
@@ -75,7 +75,7 @@ Vec3 weighted(MeshView mesh, const Beside& s) {
   return t[0] * s.weights[0] + t[1] * s.weights[1] + t[2] * s.weights[2];
 }
 
-// Which weights must be zero.
+// Checks which weights are zero.
 void expect_feature(const Beside& s) {
   const auto n = static_cast<std::size_t>(s.feature);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +86,7 @@ void expect_feature(const Beside& s) {
   EXPECT_NEAR(s.weights[0] + s.weights[1] + s.weights[2], 1, 3e-7);
 }
 
-// Everything that must hold for any mesh. `far`: the magnitude of the coordinates.
+// Checks everything that must hold for any mesh. `far`: the magnitude of the coordinates.
 std::int64_t expect_right(const Mesh& mesh, const Grid& grid, double thickness, double far) {
   const DistanceField field = compute(mesh, grid, thickness, with_nearest()).field;
   const std::vector<Sidecar> beside = sidecars(mesh, field, kAll);
@@ -118,7 +118,7 @@ TEST(Sidecars, OfDegenerateTriangles) {
             3000);
 }
 
-// The nearest triangle is the field's; the point, weights and distance are those of closest_points(), which are exact.
+// The nearest triangle comes from the field; point, weights and distance must equal the exact ones of closest_points().
 void expect_as_closest_points(const Mesh& mesh, const Grid& grid) {
   const DistanceField field = compute(mesh, grid, 0.3, with_nearest()).field;
   std::int64_t same = 0, all = 0;
@@ -126,7 +126,7 @@ void expect_as_closest_points(const Mesh& mesh, const Grid& grid) {
     const Vec3 points[1] = {s.at};
     const ClosestPoint exact = closest_points(mesh, points, {.threads = 1})[0];
     ++all;
-    if (exact.triangle != s.nearest) return;  // equally near, within rounding
+    if (exact.triangle != s.nearest) return;  // both are equally near within rounding
     ++same;
     EXPECT_LE(length(exact.point - s.closest), 2e-7);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(exact.weights[k], s.weights[k], 1e-6);
@@ -147,7 +147,7 @@ TEST(Sidecars, FarAway) {
   const Vec3 shift{0x1p30, -0x1p31, 0x1p29};
   Mesh mesh = testing::torus();
   const Grid grid{{40, 40, 20}, {-0.5, -1.5, -1.5}, {0x1p-4, 0x1p-4, 0x1p-3}};
-  for (Vec3& v : mesh.vertices) v = (v + shift) - shift;  // rounded as there
+  for (Vec3& v : mesh.vertices) v = (v + shift) - shift;  // round as at the shifted place
   Mesh far = mesh;
   for (Vec3& v : far.vertices) v = v + shift;
   ComputeOptions in_order = with_nearest();
@@ -171,7 +171,7 @@ TEST(Sidecars, OnTheSurface) {
         EXPECT_NEAR(length(s.gradient), 1, 1e-6);
         const Vec3 middle = s.at - Vec3{2, 2, 2};
         if (std::abs(s.value) > 1e-5) {
-          // Of the box, or, without a sign, away from its surface.
+          // The gradient points out of the box, or, without a sign, away from its surface.
           EXPECT_TRUE(method == SignMethod::none || middle == Vec3{} || dot(s.gradient, middle) > 0);
           EXPECT_LE(length(s.at - s.closest - s.gradient * double(s.value)), 1e-6);
           return;
@@ -182,7 +182,7 @@ TEST(Sidecars, OnTheSurface) {
         const auto t = MeshView(box).corners(s.nearest);
         const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
         const double along = dot(normal * (1 / length(normal)), s.gradient);
-        // In the orientation of the sign; without one, as the mesh is.
+        // The gradient has the orientation of the sign; without one, that of the mesh.
         EXPECT_NEAR(along, method == SignMethod::none && turned ? -1 : 1, 1e-6);
       });
       EXPECT_EQ(on_surface, 5 * 5 * 5 - 3 * 3 * 3);
@@ -214,7 +214,7 @@ TEST(Sidecars, GradientOfSignedFields) {
   });
 }
 
-// What is found on edges and vertices of one triangle, in both directions of each edge.
+// The features on edges and vertices of a triangle, in both directions of each edge.
 TEST(Sidecars, FeaturesOfOneTriangle) {
   const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   const Grid grid{{9, 9, 1}, {-2, -2, 1}};
@@ -245,18 +245,18 @@ TEST(Sidecars, SameBitsForAnyThreadsSetsAndLayouts) {
     try {
       expect_same(sidecars(mesh, field, kAll, {.simd = set}));
     } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::usage);  // a processor without it
+      EXPECT_EQ(error.code(), ErrorCode::usage);  // the processor lacks the set
     }
   }
   std::vector<std::int64_t> indices;
   for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   const MeshView view{mesh.vertices, {indices.data(), mesh.triangles.size()}};
   expect_same(sidecars(view, field, kAll));
-  // Into memory that holds others.
+  // Reuse memory that holds other sidecars.
   std::vector<Sidecar> into = sidecars(mesh, compute(mesh, grid, 0.7, with_nearest()).field, kAll);
   sidecars_into(mesh, field, kAll, into);
   expect_same(into);
-  // One at a time.
+  // Ask for one kind at a time.
   for (std::size_t n = 0; n < kAll.size(); ++n)
     EXPECT_EQ(sidecars(mesh, field, std::array{kAll[n]})[0].values, one[n].values);
 }
@@ -278,7 +278,7 @@ TEST(Sidecars, Errors) {
   fails(ErrorCode::interrupted, "cancelled", mesh, field, kAll, [](const Progress&) { return false; });
 }
 
-// What sidecars will take is counted before the work.
+// The memory of sidecars is counted before the work.
 TEST(Sidecars, MemoryIsCounted) {
   const Mesh mesh = testing::sphere(16);
   const Grid grid = fit_samples(bounds(mesh), 60, 0.1);

@@ -118,7 +118,7 @@ TEST(NeighbourRule, DropsMoreAtSmallerFractions) {
   EXPECT_GE(before, 1u);
 }
 
-// "At least" the fraction: half of each box lies in the other, exactly.
+// The rule says "at least" the fraction: exactly half of each box lies in the other.
 TEST(NeighbourRule, TheFractionItselfIsEnough) {
   Mesh mesh;
   add_cube(mesh, 0, 1);
@@ -202,7 +202,7 @@ TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
   for (int threads = 2; threads <= 8; ++threads) ASSERT_EQ(kept_with(threads), kept);
 }
 
-// Of so many triangles some pairs have the same hash of 32 bits by chance, and are no copies all the same.
+// Among this many triangles, some pairs have the same 32-bit hash by chance, but are no copies.
 TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
   const Mesh mesh = random_soup(8, 400000, 3.9, 0.1);
   EXPECT_EQ(kept_by_exact_rule(mesh, kSkipGrid, 1).size(), mesh.triangles.size());

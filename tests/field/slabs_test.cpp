@@ -21,7 +21,7 @@
 namespace standoff::testing {
 namespace {
 
-// No multiples of 16, nor of anything that a file's blocks are.
+// The sizes are no multiples of 16, nor of the size of a file's blocks.
 const Grid kSlabsGrid{{37, 41, 77}, {-1.25, -1.3, -1.35}, {0.069, 0.065, 0.0351}};
 constexpr std::int64_t kOneLayer = 1;  // slabs of 16 slices, the thinnest
 
@@ -56,7 +56,7 @@ void expect_same_report(const ComputeReport& a, const ComputeReport& b) {
   EXPECT_EQ(a.provenance.sign, b.provenance.sign);
 }
 
-// Of the values and nearest triangles of all slabs, and of what is said of them. Returns how many slabs there were.
+// Compares the values, nearest triangles and reports of all slabs with the whole field. Returns the number of slabs.
 int expect_whole_field(const Mesh& mesh, const Grid& grid, double thickness, const ComputeOptions& options,
                        std::int64_t slab_samples = kOneLayer) {
   const ComputeResult whole = compute(mesh, grid, thickness, options);
@@ -106,7 +106,7 @@ TEST(Slabs, ThinThickAndFull) {
 TEST(Slabs, EverySign) {
   struct {
     SignMethod method;
-    bool closed, open;  // what it takes
+    bool closed, open;  // which meshes the method takes
     int slabs;
   } const cases[] = {{SignMethod::winding, true, true, 5}, {SignMethod::parity, true, false, 5},
                      {SignMethod::shell, true, true, 5},   {SignMethod::automatic, true, true, 5},
@@ -121,7 +121,7 @@ TEST(Slabs, EverySign) {
           options.sign.invert = invert;
           options.nearest_triangle = thickness == 0.7;
           const int slabs = expect_whole_field(open ? open_ball() : ball_mesh(1, 6), kSlabsGrid, thickness, options);
-          // What is open, automatic may flood.
+          // Automatic may flood open meshes.
           if (one.method != SignMethod::automatic || !open) {
             EXPECT_EQ(slabs, one.slabs);
           }
@@ -215,7 +215,7 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
   }
 }
 
-// A source of one's own: slabs of 5, 1, 6, .. slices of a field.
+// A source by the caller: slabs of 5, 1, 6, .. slices of a field.
 class Sliced final : public FieldSlabs {
  public:
   explicit Sliced(const DistanceField& field, std::vector<std::int64_t> slices)
@@ -289,7 +289,7 @@ TEST(Slabs, AfterAnErrorThereAreNoMore) {
 
 struct OfTheCaller {};
 
-// A source of one's own that fails.
+// A source by the caller that fails.
 class Broken final : public FieldSlabs {
  public:
   const Grid& grid() const override { return kSlabsGrid; }

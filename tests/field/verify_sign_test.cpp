@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What verify says of signs: true fields pass, each wrong sign is found, and what cannot be judged is counted so.
+// verify and signs: right fields pass, each wrong sign is found, and signs that cannot be judged are counted as such.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ TEST(VerifySign, TrueSignsPass) {
     }
 }
 
-// Two of the rules never agree on these solids, so a field that names the wrong one fails.
+// No two rules agree on these solids, so a field that names the wrong one fails.
 TEST(VerifySign, TheRuleIsTheFieldsOwn) {
   const Mesh mesh = testing::solid_soup(1, 6);
   const DistanceField field = signed_field(mesh, kAsItIs);
@@ -98,7 +98,7 @@ TEST(VerifySign, EveryWrongSampleIsFound) {
   EXPECT_EQ(std::abs(many.sign.worst.stored), farthest);
 }
 
-// Which side of a box samples a unit in the last place beside its faces are on, and on them none.
+// Samples a unit in the last place off the faces of a box have a sign; samples on the faces have none.
 TEST(VerifySign, SamplesBesideTheSurface) {
   const double s = 0.7;
   Mesh mesh = testing::mesh_of({{Vec3{0, 0, 0}, Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}}});
@@ -120,7 +120,7 @@ TEST(VerifySign, SamplesBesideTheSurface) {
   EXPECT_EQ(found(0, 0, 0).sign.unknown, 3) << "0 has no side";
 }
 
-// Half of a solid is missing. By definition: the side of the sum of solid angles.
+// Half of a solid is missing: by definition, the sum of solid angles decides the sign.
 TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
   Mesh mesh = testing::solid_soup(4, 5);
   mesh.triangles.erase(mesh.triangles.begin() + 3, mesh.triangles.begin() + 6);
@@ -140,13 +140,13 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
   EXPECT_EQ(positive.sign.checked, kSignGrid.sample_count());
   EXPECT_TRUE(verified(field_by("winding nonzero", [](double w) { return std::abs(w) > 0.5; }), mesh).ok());
   EXPECT_GT(verified(field_by("winding", [](double w) { return w > 0.45; }), mesh).sign.wrong, 0);
-  // A parity it has not.
+  // This mesh has no parity.
   const VerifyResult parity = verified(renamed(plain, "parity"), mesh);
   EXPECT_FALSE(parity.sign.can_check);
   EXPECT_EQ(parity.sign.checked, 0);
 }
 
-// The field of the right mesh, and a file of it in which one face is turned around.
+// The field of the right mesh, and a file of the mesh with one reversed face.
 TEST(VerifySign, MeshesThatWereOrientedFirst) {
   const Mesh right = testing::solid_soup(9, 1);
   Mesh mesh = right;
@@ -160,7 +160,7 @@ TEST(VerifySign, MeshesThatWereOrientedFirst) {
   EXPECT_GT(verified(renamed(field, "winding nonzero"), mesh).sign.wrong, 0);
 }
 
-// The side above a square is 1/2 of a winding number away from that below: exactly in its plane there is none.
+// Just above a square the winding number is nearly 1/2, just below it nearly -1/2; exactly in its plane it has none.
 TEST(VerifySign, ThresholdsAreNotDecided) {
   const Mesh square{{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
   const Grid grid{{1, 1, 3}, {0.3, 0.2, -1e-8}, {1, 1, 1e-8}};
@@ -187,7 +187,7 @@ TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
   EXPECT_EQ(verified(renamed(field, "flood inverted"), mesh).sign.wrong, right.sign.checked);
 }
 
-// Behind a sheet is inside; of a solid it is the same as by the winding number.
+// Behind a sheet is inside; for a solid the signs equal those by the winding number.
 TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
   Random random(3);
   Mesh sheet;
@@ -202,7 +202,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
     const auto k = static_cast<std::int64_t>(n) / (kSignGrid.size.x * kSignGrid.size.y);
     if (kSignGrid.position(0, 0, k).z < 0) value = -value;
   };
-  // Between the sheet's lowest and highest points it is not known here what is below.
+  // Between the sheet's lowest and highest points, this test does not know what is below it.
   const auto wrong_outside = [&](const VerifyResult& found) {
     return found.sign.wrong > 0 && std::abs(found.sign.worst.position.z) > 0.25;
   };
@@ -241,7 +241,7 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
   EXPECT_GT(shell("shell 0.2", 0.2f).samples_wrong, 0);
 }
 
-// Whatever compute makes of a mesh with holes, flipped faces and several solids, verify finds it right.
+// verify confirms every field that compute makes of a mesh with holes, flipped faces and several solids.
 TEST(VerifySign, AllThatComputeMakes) {
   Mesh broken = testing::solid_soup(11, 5);
   broken.triangles.erase(broken.triangles.begin() + 9);

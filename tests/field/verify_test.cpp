@@ -56,7 +56,7 @@ VerifyOptions every_sample() {
 
 TEST(TriangleGroups, SameAsBruteForce) {
   testing::Random random(3);
-  // More triangles than a group holds, a group not full, and a mesh without extent on one axis.
+  // Take more triangles than a group holds, a group that is not full, and a mesh without extent on one axis.
   for (const int triangles : {1, 31, 32, 33, 500}) {
     Mesh mesh = random_soup(static_cast<unsigned>(triangles), triangles, 1, 0.2);
     if (triangles == 33)
@@ -133,7 +133,7 @@ TEST(Verify, NotANumberIsWrong) {
   }
 }
 
-// A field whose band was forgotten: no tile is stored, all values are the thickness.
+// A field without its band: no tile is stored, all values are the thickness.
 TEST(Verify, EmptyFieldFails) {
   const Mesh mesh = random_soup(4, 40, 1, 0.4);
   const VerifyResult found = verify(DistanceField(kVerifyGrid, 0.3), mesh, every_sample());
@@ -161,7 +161,7 @@ TEST(Verify, WrongNearestTriangleIsFound) {
 }
 
 // One triangle in a wide grid: random samples alone would hardly meet its band.
-// Without a word on the sign the side is not verified. A negative distance was taken to be wrong.
+// If the provenance does not name the sign, signs are not verified. A negative distance was once taken to be wrong.
 TEST(Verify, ChecksTheDistanceOfSignedFields) {
   Mesh mesh;
   testing::add_triangle(mesh, {0.5, 0.5, 0.5}, {1, 0.5, 0.5}, {0.5, 1, 0.5});
@@ -233,7 +233,7 @@ TEST(Verify, Errors) {
   EXPECT_EQ(code(mesh, {}), 0);
 }
 
-// Distances there are infinite in double, as is the error that is allowed.
+// Distances there are infinite in double, and so is the allowed error.
 TEST(Verify, AGridBeyondTheRangeOfDoubleMatchesNoMesh) {
   const Mesh mesh = testing::random_soup(1, 10, 1, 1);
   const DistanceField field({{4, 4, 4}, {1e160, 0, 0}}, 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The winding numbers that signs are checked with, against integers of 128 bits and against each other.
+// Compares the winding numbers that signs are checked with, with 128-bit integers and with each other.
 #include "field/reference.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ TEST(WindingReference, PointsOnTrianglesWithoutArea) {
   EXPECT_FALSE(on({9, 9, 8}));
 }
 
-// Both of the same mesh, the angles within the error that they state.
+// Both numbers of a mesh agree, the angles within their stated error.
 TEST(WindingReference, AnglesAndCrossingsAgree) {
   for (const char* name : {"catapult", "fly", "nested", "far_away"}) {
     const Mesh mesh = scenes::make(name, 2000);
@@ -69,7 +69,7 @@ TEST(WindingReference, AnglesAndCrossingsAgree) {
     for (int n = 0; n < 300; ++n) {
       const Vec3 share{random.between(0, 1), random.between(0, 1), random.between(0, 1)};
       Vec3 p = box.min + box.extent() * share;
-      // As near to a corner as double can say, or nearly.
+      // Points as near to a corner as double allows, or nearly.
       if (n % 3 == 0) p = MeshView(mesh).corner(random.below(static_cast<std::uint32_t>(mesh.triangles.size())), 0);
       if (n % 3 == 0) p.x = std::nextafter(p.x, n % 2 == 0 ? 1e300 : -1e300);
       const ReferenceWinding exact = winding_by_crossings({mesh}, groups, p), angles = winding_by_angles({mesh}, p);

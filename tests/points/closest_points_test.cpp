@@ -21,7 +21,7 @@ std::vector<Vec3> points_around(unsigned seed, int count, double reach) {
   return points;
 }
 
-// Brute force over all triangles, by another formula; then what the members say about each other.
+// Compares with brute force over all triangles, by another formula; then checks that the members agree.
 void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size) {
   const std::vector<ClosestPoint> found = closest_points(mesh, points);
   ASSERT_EQ(found.size(), points.size());
@@ -77,7 +77,7 @@ TEST(ClosestPoints, FaceSideAndCorner) {
   EXPECT_EQ(found[3].distance, 0);
 }
 
-// Every triangle stands twice, the copies in another order.
+// Every triangle occurs twice, the copies in another order.
 TEST(ClosestPoints, OfEquallyNearTrianglesTheLowest) {
   Mesh mesh = testing::random_soup(13, 200, 4, 1);
   const std::vector<Triangle> once = mesh.triangles;

@@ -41,7 +41,7 @@ void expect_near(Vec3 found, Vec3 expected, double error) {
                                                << expected.x << ' ' << expected.y << ' ' << expected.z;
 }
 
-// Away from creases, where the quotients of both sides agree.
+// Compares away from creases, where the quotients of both sides agree.
 void expect_slopes(const MeshQuery& query, double reach, unsigned seed) {
   constexpr double kStep = 1e-5;
   testing::Random random(seed);
@@ -108,7 +108,7 @@ TEST(MeshQueryGradient, OnTheSurfaceIsTheOutwardNormal) {
   }
 }
 
-// Points of tilted faces are on them but for rounding, which is no direction.
+// Points of tilted faces are off them by rounding, which gives no direction.
 TEST(MeshQueryGradient, OnTiltedFacesIsTheOutwardNormalToo) {
   for (const double far : {0.0, 1000.0}) {
     const Mesh mesh = testing::moved(scenes::make("sphere", 100), {far, -far, far});

@@ -35,7 +35,7 @@ struct Cube {
 };
 
 // A lattice with every second point on the planes of cubes with whole coordinates from 0 to `high`, and the nearest
-// points to both sides of those planes; without those on a cube, which have any sign.
+// points on both sides of these planes. Points on a cube are left out, as they may have any sign.
 std::vector<Vec3> lattice(double high, std::span<const Cube> cubes) {
   std::vector<double> along;
   for (double v = -1; v <= high + 1; v += 0.5) {
@@ -58,7 +58,7 @@ std::vector<double> ask(const MeshQuery& query, std::span<const Vec3> points) {
   return distances;
 }
 
-// Where the distance is 0 there is no sign.
+// Points at distance 0 have no sign.
 void expect_sides(const MeshQuery& query, std::span<const Vec3> points, const std::vector<bool>& expected) {
   const std::vector<double> found = ask(query, points);
   std::size_t wrong = 0, inside = 0;
@@ -98,13 +98,13 @@ TEST(MeshQuerySign, ABoxOnEveryPlaneOfItsFacesEdgesAndCorners) {
     expect_sides(query, points, [](Vec3 p) { return in(p, 0, 4); });
     EXPECT_TRUE(query.sign().sure);
   }
-  // Alone, a point knows nothing of its neighbours.
+  // A point that is asked alone cannot take its sign from a neighbour.
   const MeshQuery query(mesh, {.sign = by(SignMethod::winding)});
   for (const Vec3& p : points_around(1, 50, 4, {2, 2, 2})) EXPECT_EQ(ask(query, {&p, 1})[0] < 0, in(p, 0, 4));
 }
 
 TEST(MeshQuerySign, RoundSolids) {
-  constexpr double kRough = 0.03;  // how far the flat triangles are from the round surface
+  constexpr double kRough = 0.03;  // bounds the distance of the flat triangles from the round surface
   const auto expect_round = [&](const Mesh& mesh, double reach, const auto& height) {
     std::vector<Vec3> points = points_around(2, 4000, reach);
     std::erase_if(points, [&](Vec3 p) { return std::abs(height(p)) < kRough; });
@@ -183,7 +183,7 @@ TEST(MeshQuerySign, OpenMeshesAreJudgedBySolidAngles) {
   }
 }
 
-// Points so dense that most are decided by one before: around where the winding number of a bowl is at its threshold.
+// Points so dense that most take their sign from an earlier one, around the threshold of a bowl's winding number.
 TEST(MeshQuerySign, DensePointsBesideOpenMeshes) {
   Mesh bowl = scenes::make("sphere", 400);
   std::erase_if(bowl.triangles, [&](const Triangle& t) {
@@ -196,7 +196,7 @@ TEST(MeshQuerySign, DensePointsBesideOpenMeshes) {
   expect_sides(query, points_around(8, 12000, 0.1, {0.95, 0, 0.25}), is_inside);
 }
 
-// Rows through a small hole, far from it: its cap is crossed by rays from anywhere.
+// Points far from a small hole, on rows through it: rays from anywhere may cross its cap.
 TEST(MeshQuerySign, SmallHolesFarAway) {
   const Mesh whole = testing::sphere(24);
   for (const Vec3 side : {Vec3{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}) {
@@ -255,8 +255,8 @@ TEST(MeshQuerySign, OuterMeasuresFromTheUnion) {
   EXPECT_EQ(ask(query, std::vector<Vec3>{{3, 3, 3}})[0], -3);
 }
 
-// Balls without exposed triangles may hold hidden ones: the winding number is another at their far ends. A point
-// outside took over that of a ball whose centre is behind the hidden faces.
+// A ball without exposed triangles may hold hidden ones, so the winding number may change within it. Once a point
+// outside took the number of a ball whose centre is behind hidden faces.
 TEST(MeshQuerySign, OuterCountsNoHiddenFacesWithinABall) {
   const Mesh both = joined(box({0, 0, 0}, {6, 6, 6}), box({0.02, 0.02, 0.02}, {5.98, 5.98, 5.98}));
   const MeshQuery query(both, {.sign = {.method = SignMethod::winding, .outer = true}});
@@ -288,7 +288,7 @@ TEST(MeshQuerySign, SheetsHaveNone) {
                "sheet");
   expect_error([&] { MeshQuery(sheet, {.sign = by(SignMethod::flood)}); }, ErrorCode::usage, "grid");
   expect_error([&] { MeshQuery(sheet, {.sign = by(SignMethod::parity)}); }, ErrorCode::input, "parity");
-  // What a field would be flooded for has no sign here, and says so.
+  // A mesh that needs flooding has no sign here, and the report says so.
   const MeshQuery bottle(testing::klein_bottle(), {.sign = by(SignMethod::automatic)});
   EXPECT_EQ(bottle.sign().method, SignMethod::none);
   EXPECT_NE(bottle.sign().why.find("grid"), std::string::npos) << bottle.sign().why;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distances and closest points of a MeshQuery against every triangle: bit by bit by the same measure, and by another
-// one within rounding.
+// Compares distances and closest points of a MeshQuery with all triangles: bit by bit by the same measure, and within
+// rounding by another one.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -29,7 +29,7 @@ Mesh moved(Mesh mesh, Vec3 by, double scale = 1) {
   return mesh;
 }
 
-// How far a point and the box of a mesh reach together.
+// The extent of a point and the box of a mesh together.
 double extent_of(const Box& box, Vec3 p) { return std::max(max_norm(box.min - p), max_norm(box.max - p)); }
 
 struct Nearest {
@@ -37,7 +37,7 @@ struct Nearest {
   std::uint32_t triangle;
 };
 
-// The least of all triangles, the first of those equally near. Lengths are shrunk by a power of two to about 1, so that
+// The nearest of all triangles; the lowest index wins a tie. Lengths are scaled by a power of two to about 1, so that
 // their fourth powers neither overflow nor vanish.
 Nearest nearest_of_all(const Mesh& mesh, Vec3 p, double extent) {
   const double shrink = extent > 0 ? std::ldexp(1, -std::ilogb(extent)) : 1;
@@ -56,7 +56,7 @@ std::vector<ClosestPoint> ask(const MeshQuery& query, std::span<const Vec3> poin
   return found;
 }
 
-// Whether an answer is in itself what it should be: point, feature and weights say the same.
+// Checks that an answer is consistent: point, feature and weights agree.
 void expect_consistent(const Mesh& mesh, Vec3 p, const ClosestPoint& it, double rounding) {
   EXPECT_NEAR(length((it.point - p) * (1 / rounding)), it.distance / rounding, 1);
   Vec3 weighed;
@@ -81,7 +81,8 @@ void expect_consistent(const Mesh& mesh, Vec3 p, const ClosestPoint& it, double 
   }
 }
 
-// `share`: what the other measure may differ by, of the extent of mesh and point together; `few`: it is slow.
+// `share`: the allowed difference of the other measure, as a share of the extent of mesh and point together; `few`: how
+// many points it is applied to, as it is slow.
 void expect_exact(const Mesh& mesh, std::span<const Vec3> points, double share = 1e-13, std::size_t few = 50) {
   const Box box = bounds(mesh);
   const MeshQuery query(mesh);
@@ -103,7 +104,7 @@ void expect_exact(const Mesh& mesh, std::span<const Vec3> points, double share =
   }
 }
 
-// On corners, on edges and on faces, as nearly as a double can be; and again, so that some points come twice.
+// Points on corners, edges and faces, up to rounding; some points occur twice.
 std::vector<Vec3> points_on(const Mesh& mesh) {
   std::vector<Vec3> points;
   for (const Triangle& t : mesh.triangles) {
@@ -156,9 +157,9 @@ TEST(MeshQuery, FewPointsOnManyTriangles) {
   expect_exact(mesh, std::vector<Vec3>(70, Vec3{1, 1, 1}), 1e-13, 10);
 }
 
-// Groups of sixteen triangles, a wall and a needle at right angles to it among them. Boxes turned along the needle once
-// had their other axis from the wall's normal, less what of it is along the needle: nothing but rounding, so that axes
-// were askew, and boxes seemed to be far that were near.
+// Groups of sixteen triangles with a wall and a needle at right angles to it. Boxes were once rotated along the needle,
+// with a second axis from the wall's normal, made orthogonal to the needle: nothing but rounding was left of it, so the
+// axes were askew, and near boxes seemed to be far.
 TEST(MeshQuery, NeedlesAcrossWalls) {
   Random random(31);
   Mesh mesh;
@@ -184,7 +185,7 @@ TEST(MeshQuery, TiesOfTrianglesThatTouchAndCoincide) {
       for (int j = -7; j <= 7; ++j)
         for (int i = -7; i <= 7; ++i) points.push_back({i * 1.0, j * 1.0, k * 1.0});
     expect_exact(mesh, points);
-    // The other way round, ties go to other triangles.
+    // In the reverse order, other triangles win ties.
     Mesh reversed = mesh;
     std::ranges::reverse(reversed.triangles);
     expect_exact(reversed, points, 1e-13, 10);
@@ -195,7 +196,7 @@ TEST(MeshQuery, Scenes) {
   for (const scenes::Scene& scene : scenes::all()) {
     SCOPED_TRACE(scene.name);
     const Mesh mesh = scenes::make(scene.name, 300);
-    if (mesh.triangles.size() > 20000) continue;  // cannot be made of few
+    if (mesh.triangles.size() > 20000) continue;  // this scene has no small version
     const Box box = bounds(mesh);
     const double reach = std::max(box.longest_side(), 1e-3 * max_norm(box.max - box.min));
     // A sliver's own width is not seen by the measure: see geometry/closest_point_test.cpp.
@@ -226,7 +227,7 @@ TEST(MeshQuery, TinyAndHuge) {
   }
 }
 
-// From just beyond the mesh to where no square of a coordinate would be finite without care.
+// Points from just beyond the mesh to coordinates whose squares would overflow without care.
 TEST(MeshQuery, PointsFarAway) {
   const Mesh mesh = testing::random_soup(28, 300, 4, 1);
   std::vector<Vec3> points;
@@ -280,7 +281,7 @@ TEST(MeshQuery, TheSameBitsForAnyBatchThreadsAndInstructionSet) {
   expect_same(backwards, once);
 }
 
-// A shared edge is equally far from a point in front of it by either triangle, whatever the orders of their corners.
+// A point in front of a shared edge is equally far from both triangles, whatever the orders of their corners.
 TEST(MeshQuery, TheLowestIndexAtSharedEdgesAndCorners) {
   const Mesh sphere = scenes::make("sphere", 800);
   std::vector<Vec3> points;

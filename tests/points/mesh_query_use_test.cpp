@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a MeshQuery refuses, how it is cancelled, and what becomes of copies.
+// A MeshQuery's errors, cancellation, and copies.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -18,7 +18,7 @@ using testing::box;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-// All three questions about the same points.
+// Asks all three questions about the same points.
 template <class Check>
 void for_each_question(const MeshQuery& query, std::span<const Vec3> points, std::size_t answers,
                        const Execution& execution, const ProgressCallback& progress, const Check& check) {
@@ -145,7 +145,7 @@ TEST(MeshQueryUse, ManyThreadsAskAtOnce) {
   for (const std::vector<double>& own : found) EXPECT_EQ(own, expected);
 }
 
-// The mesh, and some 170 bytes per triangle.
+// It takes the mesh, and some 170 bytes per triangle.
 TEST(MeshQueryUse, SaysWhatItTakes) {
   const Mesh mesh = scenes::make("sphere", 20000);
   const double triangles = static_cast<double>(mesh.triangles.size());

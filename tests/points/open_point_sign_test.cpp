@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sides of points beside open meshes, many at once: each as the sum of solid angles over all triangles says.
+// Compares the signs of many points beside open meshes with the sums of solid angles over all triangles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ Mesh with_holes(Mesh mesh, unsigned seed, std::uint32_t one_of) {
   return mesh;
 }
 
-// One half of a ball within another's: the rims are two circles, one amid the other.
+// A half ball within another: the rims are two circles, one inside the other.
 Mesh nested_bowls() {
   Mesh mesh = testing::joined(testing::sphere(12), testing::moved(testing::sphere(10), {0.1, 0, 0}, 0.6));
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
@@ -45,7 +45,7 @@ Mesh nested_bowls() {
   return mesh;
 }
 
-// Sheets above each other, one of them twice: numbers beyond 1, and edges that count twice.
+// Sheets above each other, one of them twice: winding numbers exceed 1, and some edges count twice.
 Mesh sheets() {
   const Mesh one = testing::terrain(8), above = testing::moved(one, {0.05, 0.02, 0.2});
   return testing::joined(testing::joined(one, above), above);
@@ -63,11 +63,11 @@ Mesh odd_rim() {
 }
 
 struct Settings {
-  double spread;  // of the points around each place, by the longest side
+  double spread;  // of the points around each place, as a share of the longest side
   int places, in_each;
 };
 
-// Around corners, which are often on the boundary, and around places anywhere.
+// Points around corners, which are often on the boundary, and around random places.
 std::vector<Vec3> clouds(const Mesh& mesh, unsigned seed, const Settings& settings) {
   Random random(seed);
   const Box box = bounds(mesh);
@@ -82,7 +82,7 @@ std::vector<Vec3> clouds(const Mesh& mesh, unsigned seed, const Settings& settin
   return points;
 }
 
-// Points that rounding leaves without a side do not count. Returns how many did.
+// Points whose sign rounding hides do not count. Returns the number of points that count.
 int expect_sides(const Mesh& mesh, std::span<const Vec3> points) {
   std::vector<ReferenceWinding> reference;
   for (const Vec3& p : points) reference.push_back(winding_by_angles({mesh}, p));
@@ -104,7 +104,7 @@ int expect_sides(const Mesh& mesh, std::span<const Vec3> points) {
   return compared;
 }
 
-// A point's side does not depend on what else is asked.
+// A point's sign does not depend on other points of the call.
 void expect_alone_as_together(const Mesh& mesh, std::span<const Vec3> points, std::size_t step = 1) {
   std::vector<double> together(points.size());
   int wrong = 0;
@@ -156,7 +156,7 @@ TEST(OpenPointSigns, CloudsOfAllSizes) {
   }
 }
 
-// So many in so little space that single cells decide hundreds: across the surface, and beside the boundary.
+// Points so dense that a single cell decides hundreds: across the surface, and near the boundary.
 TEST(OpenPointSigns, ManyPointsInOneCell) {
   for (const auto& [name, mesh] : cases()) {
     SCOPED_TRACE(name);
@@ -165,7 +165,7 @@ TEST(OpenPointSigns, ManyPointsInOneCell) {
   }
 }
 
-// Where the winding number is 1/2: on a surface that the boundary spans, through the middle of a bowl's hole.
+// Points where the winding number is 1/2: on a surface that the boundary spans, through the middle of a bowl's hole.
 TEST(OpenPointSigns, AroundTheThreshold) {
   const Mesh bowl = nested_bowls();
   Random random(11);
@@ -192,7 +192,7 @@ TEST(OpenPointSigns, AloneAndTogether) {
   }
 }
 
-// From where a ray meets the mesh, and far beyond what squares of lengths can be.
+// Points from which a ray meets the mesh, and points so far that squares of lengths would overflow.
 TEST(OpenPointSigns, FarPoints) {
   const Mesh mesh = nested_bowls();
   std::vector<Vec3> points = clouds(mesh, 14, {30, 1, 500});
@@ -223,7 +223,7 @@ Mesh bowl() {
   return mesh;
 }
 
-// The hole is amid the lid: rows inside pass through its corners.
+// The hole is in the middle of the lid: rows inside pass through its corners.
 Mesh box_with_a_hole_in_its_lid() {
   Mesh mesh = box_without_lid();
   const auto lid = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -238,7 +238,7 @@ Mesh box_with_a_hole_in_its_lid() {
   return mesh;
 }
 
-// side^3 points whose box has exactly that center, if it is as above.
+// side^3 points whose box has exactly that center, if sums with it are exact.
 std::vector<Vec3> lattice(const Vec3& center, double step, int side) {
   std::vector<Vec3> points;
   const auto at = [&](int n) { return (n - 0.5 * (side - 1)) * step; };
@@ -248,7 +248,7 @@ std::vector<Vec3> lattice(const Vec3& center, double step, int side) {
   return points;
 }
 
-// Points on a cap too, where they are on its edges.
+// The points may be on a cap's edges.
 void expect_winding_numbers(const Mesh& mesh, std::span<const Vec3> points) {
   std::vector<double> found(points.size());
   const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
@@ -261,9 +261,9 @@ void expect_winding_numbers(const Mesh& mesh, std::span<const Vec3> points) {
   }
 }
 
-// What a cell's center takes for its side of the cap counts for all of the cell. A cap is a fan of triangles around an
-// apex: centers are within them, on the apex, and on the edges between two. There, solid angles are lost in rounding:
-// such a center is not among the points.
+// The side of the cap that a cell's center takes counts for the whole cell. A cap is a fan of triangles around an apex:
+// centers are within triangles, on the apex, and on the edges between two. There rounding hides solid angles, so such a
+// center is not among the points.
 TEST(OpenPointSigns, CentersOfCellsOnCaps) {
   for (const auto& [name, mesh] : {Case{"box", box_without_lid()}, Case{"bowl", bowl()}}) {
     SCOPED_TRACE(name);
@@ -301,8 +301,8 @@ TEST(OpenPointSigns, CentersOfCellsOnCaps) {
   }
 }
 
-// Rows along the axes that pass exactly through corners and edges: of the mesh, between points of a cell, and of the
-// hole's rim, beyond them.
+// Rows along the axes that pass exactly through corners and edges: of the mesh between points of a cell, and of the
+// hole's rim beyond them.
 TEST(OpenPointSigns, RowsThroughCornersAndEdges) {
   const Mesh open = box_without_lid(), round = bowl(), holed = box_with_a_hole_in_its_lid();
   const auto expect_all = [](const Mesh& mesh, const Vec3& center, double step) {

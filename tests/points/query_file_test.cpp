@@ -43,7 +43,7 @@ std::vector<std::uint64_t> bits_of(const MeshQuery& query) {
   return bits;
 }
 
-// A box without some of its triangles, one of them turned: open, and its orientation is repaired.
+// A box that lacks some triangles and has a reversed one: it is open, and its orientation is repaired.
 Mesh damaged_box() {
   Mesh mesh = scenes::make("sphere", 200);
   mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 3);
@@ -51,7 +51,7 @@ Mesh damaged_box() {
   return mesh;
 }
 
-// The second one moved and smaller, so that it overlaps the first or lies inside it.
+// The second box is moved and smaller, so that it overlaps the first or lies inside it.
 Mesh two_boxes(double scale, Vec3 by) {
   Mesh mesh = scenes::make("box");
   const Mesh other = mesh;
@@ -142,7 +142,7 @@ TEST(QueryFile, DamageIsFound) {
   expect_refused(with(good, exposed, 24u), "exposed triangles: ");
 }
 
-// Whatever else is changed: an error, or a query that answers.
+// Any other change gives an error, or a query that answers.
 TEST(QueryFile, OtherBytesDoNoHarm) {
   std::mt19937 random(5);
   for (const auto& [mesh, sign] : cases()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Few points take other ways than many: down the hierarchy by themselves, sorted by one thread, or in blocks. An answer
-// has the same bits on each of them.
+// Few points take another path than many: each alone down the BVH, sorted by one thread, or in blocks. All paths give
+// the same bits.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -17,8 +17,8 @@ namespace {
 
 using testing::Random;
 
-// Random points, and those where ties and rounding are: corners, middles of edges and faces, beside them, far away, and
-// where no box in float is of use.
+// Random points, and points with ties and rounding: on and near corners, middles of edges and faces; far away; and
+// beyond the range of boxes in float.
 std::vector<Vec3> nasty_points(MeshView mesh, unsigned seed, std::size_t count) {
   Random random(seed);
   const Box box = bounds(mesh);
@@ -70,7 +70,7 @@ bool same(const ClosestPoint& a, const ClosestPoint& b) {
   return is;
 }
 
-// Asked for all at once, and for so many at a time.
+// Asks about all points at once, and about some at a time.
 void expect_same_answers(const MeshQuery& query, std::span<const Vec3> points) {
   std::vector<ClosestPoint> at_once(points.size()), some(points.size()), portable(points.size());
   std::vector<double> distances(points.size());
@@ -117,7 +117,7 @@ TEST(SmallCalls, HaveTheBitsOfLargeOnesAtSoups) {
   }
 }
 
-// A query's lists are kept by the thread, and used by the next query: of a mesh that is smaller, or larger.
+// A thread keeps a query's lists, and the next query uses them, for a smaller or a larger mesh.
 TEST(SmallCalls, OfSeveralMeshesInTurns) {
   std::vector<MeshQuery> queries;
   std::vector<std::vector<double>> expected;
@@ -157,8 +157,8 @@ TEST(SmallCalls, InACallback) {
   }
 }
 
-// Of soups all triangles are added up: beside their faces, where the number jumps, it is that of a side; beside their
-// edges it is found as for other open meshes.
+// For soups, the angles of all triangles are added up. Near faces, where the number jumps, it is the number of one
+// side; near edges it is found as for other open meshes.
 TEST(WindingNumbers, OfSoups) {
   const Mesh mesh = testing::random_soup(5, 700, 4, 1.5);
   const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
@@ -183,7 +183,7 @@ TEST(WindingNumbers, OfSoups) {
     query.winding_numbers(three, of);
     EXPECT_NEAR(of[0] - of[2], 1, 1e-4) << t;
     EXPECT_LT(std::min(std::abs(of[1] - of[0]), std::abs(of[1] - of[2])), 1e-4) << t;
-    // Beside an edge, closer than angles can be added up with.
+    // Too near an edge for adding up angles.
     const Vec3 in = (c[2] - c[0]) * 1e-8, beside = (c[0] + c[1]) * 0.5 + in + off * 0.1;
     double number = 0;
     query.winding_numbers({&beside, 1}, {&number, 1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Winding numbers of a closed mesh from those of known points: as a ray from each point says.
+// Compares winding numbers that the cache continues from known points with the number of a ray from each point.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -33,7 +33,7 @@ std::vector<Case> cases() {
           {"octahedron", octahedron()}};
 }
 
-// Anywhere, and where rows pass through corners and edges.
+// Random points, and points whose rows pass through corners and edges.
 std::vector<Vec3> points_around(unsigned seed) {
   Random random(seed);
   std::vector<Vec3> points;

@@ -16,7 +16,7 @@ using testing::kInfinity;
 using testing::nasty_soup;
 using testing::random_soup;
 
-// In spacings: up to four triangles are binned into bricks, beyond they are handed down.
+// Thicknesses in spacings: up to four, triangles are binned into bricks; beyond, they pass down from coarse cells.
 void expect_exact_at_all_thicknesses(const Mesh& mesh, const Grid& grid) {
   expect_exact(mesh, grid, {0.5, 2, 3.9, 4.1, 8, kInfinity});
 }
@@ -24,7 +24,7 @@ void expect_exact_at_all_thicknesses(const Mesh& mesh, const Grid& grid) {
 const Grid kCube{{20, 20, 20}, {-4.75, -4.75, -4.75}, {0.5, 0.5, 0.5}};
 
 TEST(TilesExact, TrianglesFromTinyToHuge) {
-  // In spacings. Up to 16 a triangle is set up in float, beyond in double.
+  // Lengths in spacings: up to 16, a triangle is set up in float; beyond, in double.
   for (const double side : {1e-4, 0.1, 1.0, 5.0, 7.9, 16.0, 100.0}) {
     SCOPED_TRACE(side);
     expect_exact_at_all_thicknesses(random_soup(11, 24, 4.5, side * 0.5), kCube);
@@ -130,7 +130,7 @@ TEST(TilesExact, TinyAndHugeScales) {
 }
 
 TEST(TilesExact, SpacingsJustAboveAPowerOfTwo) {
-  // Where triangles of sixteen spacings, set up in float, are farthest from their bricks for the error allowed.
+  // Triangles of sixteen spacings, set up in float, as far from their bricks as the allowed error permits.
   for (const double spacing : {1.0, 1.999}) {
     const Grid grid{{17, 17, 17}, {-8, -8, -8}, {spacing, spacing, spacing}};
     for (const unsigned seed : {23u, 24u, 25u}) expect_exact(random_soup(seed, 24, 10, 7.9), grid, {3.9, 12});
@@ -138,7 +138,7 @@ TEST(TilesExact, SpacingsJustAboveAPowerOfTwo) {
 }
 
 TEST(TilesExact, SeveralBricksAndManyTriangles) {
-  // More candidates than one table of 2048 holds: small ones, of which cells choose first, and too large for that.
+  // More candidates than one table of 2048 holds: small ones, which cells cull by boxes first, and larger ones.
   const Grid grid{{3, 3, 3}, {-5, -5, -5}, {5, 5, 5}};
   expect_exact(random_soup(26, 9000, 0.02, 0.01), grid, {kInfinity});
   expect_exact(random_soup(30, 4000, 8, 7.5), grid, {kInfinity});

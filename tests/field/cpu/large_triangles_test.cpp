@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles far larger than the grid, in great numbers: thick bands pass most of them over by their frames in float,
-// thin bands measure them all by their lines. What is passed over must change no bit, so both give the same values.
+// Many triangles far larger than the grid: thick bands skip most of them by their frames in float, thin bands measure
+// all by their lines. Skipping must change no bit, so both give the same values.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using testing::Random;
 
 constexpr Grid kLargeGrid{{20, 20, 20}, {-9.5, -9.5, -9.5}, {1, 1, 1}};
 
-// Triangles of this length, all of which pass the grid's middle within 12 samples, `height` times as high as long.
+// Triangles of length `side`, `height` times as high as long, which all pass the grid's middle within 12 samples.
 Mesh passing(unsigned seed, int count, double side, double height) {
   Random random(seed);
   Mesh mesh;
@@ -52,7 +52,7 @@ TEST(LargeTriangles, WhatIsPassedOverChangesNoBit) {
                        "side " + std::to_string(side) + ", height " + std::to_string(height));
 }
 
-// So near to each other that distances differ by rounding alone.
+// Triangles so near to each other that their distances differ only by rounding.
 TEST(LargeTriangles, SheafOfNearlyEqualOnes) {
   Random random(12);
   Mesh mesh;

@@ -39,7 +39,7 @@ Mesh dyadic_soup(unsigned seed) {
   });
 }
 
-// `at` gives the sample of b that belongs to a sample of a.
+// `at` returns the sample of b that belongs to a sample of a.
 template <class At>
 void expect_near(const DistanceField& a, const DistanceField& b, At at) {
   for_each_sample(a.grid(), [&](auto i, auto j, auto k) {
@@ -90,7 +90,7 @@ TEST(TilesProperties, TiesGoToTheLowestTriangle) {
   const std::size_t originals = mesh.triangles.size();
   for (int copy = 0; copy < 2; ++copy)
     for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[originals - 1 - t]);
-  // Turned around in mesh order, so that the first copies of those in front come last.
+  // Reverse the order of parts of the mesh, so that the first copies come last.
   std::swap_ranges(mesh.triangles.begin(), mesh.triangles.begin() + 75, mesh.triangles.begin() + 225);
   std::vector<std::uint32_t> first(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -177,7 +177,7 @@ TEST(TilesProperties, SubdividingTrianglesChangesNothingButRounding) {
 }
 
 TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
-  // Up to four spacings triangles are binned, beyond handed down.
+  // Up to four spacings triangles are binned; beyond, they pass down from coarse cells.
   for (const double side : {0.3, 1.5, 30.0}) {
     const Mesh mesh = random_soup(41, 80, 6, side);
     const double limit = 3.9 * 0.5;
@@ -197,8 +197,8 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
   }
 }
 
-// A field is the least of the fields of its parts, bit for bit; these are small enough that no block of theirs chooses
-// among its cell's candidates.
+// A field is the minimum of the fields of the mesh's parts, bit for bit. The parts are so small that no block culls its
+// cell's candidates.
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, double thickness) {
   SCOPED_TRACE(::testing::Message() << grid.size.x << " samples wide, thickness " << thickness);
   constexpr std::size_t kPart = 40;
@@ -228,8 +228,8 @@ TEST(TilesProperties, CrowdedCellsLoseNothing) {
 }
 
 TEST(TilesProperties, BlocksOfACrowdWithinASpacingLookAtFewTriangles) {
-  // So small against the spacing that tiles are handed nodes of nodes. Where each counts as sixteen triangles, tiles
-  // are not found to be crowded, and 34,000 distances are computed instead of 22,000.
+  // Triangles so small that tiles get nodes of nodes. If each of these counts as sixteen triangles, tiles do not count
+  // as crowded, and 34,000 distances are computed instead of 22,000.
   const Mesh mesh = random_soup(26, 20000, 1, 0.018);
   const ComputeResult found = computed(mesh, {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}}, kInfinity);
   EXPECT_LT(found.report.samples_examined, 28000);
@@ -237,7 +237,7 @@ TEST(TilesProperties, BlocksOfACrowdWithinASpacingLookAtFewTriangles) {
 
 TEST(TilesProperties, ALongTriangleDoesNotMakeBlocksLookAtMore) {
   const Grid grid{{12, 12, 12}, {-3, -3, -3}, {0.6, 0.6, 0.6}};
-  for (const int triangles : {300, 1000, 6000}) {  // choosing by distances from corners first, or by boxes at once
+  for (const int triangles : {300, 1000, 6000}) {  // culled by distances from corners first, or by boxes at once
     Mesh mesh = crowd(47, triangles);
     const auto examined = [&] { return computed(mesh, grid, kInfinity).report.samples_examined; };
     const std::int64_t before = examined();
@@ -247,7 +247,7 @@ TEST(TilesProperties, ALongTriangleDoesNotMakeBlocksLookAtMore) {
 }
 
 TEST(TilesProperties, CrowdedTilesLoseNothing) {
-  // More triangles a cell than are looked at together, and among the small ones some as long as the grid.
+  // More triangles per cell than a table holds, and some as long as the grid among the small ones.
   Mesh mesh = crowd(43, 6000);
   testing::Random random(44);
   for (int n = 0; n < 10; ++n) add_triangle(mesh, random.in_cube(9), random.in_cube(9), random.in_cube(9));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin bands on the emulated GPU: how the work is cut, and triangles that take ways of their own through the kernels.
+// Thin bands on the emulated GPU: how the work is cut, and triangles on special paths through the kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ TEST(CudaBand, RowsOfATriangleAreToldApartWithoutDividing) {
     }
 }
 
-// Without a slice for many warps a triangle across a fine grid would keep one of them busy alone.
+// Many warps share a triangle across a fine grid, which would keep a single warp busy for long.
 TEST(CudaBand, TrianglesAcrossMoreThanAThousandTiles) {
   Mesh mesh = standoff::testing::random_soup(111, 20, 100, 3, {140, 130, 4});
   standoff::testing::add_triangle(mesh, {1, 2, 3}, {270, 263, 4}, {265, 263, 4.5});
@@ -105,8 +105,8 @@ TEST(CudaBand, TrianglesAcrossMoreThanAThousandTiles) {
   expect_same(mesh, grid, 1.5);
 }
 
-// More in one warp than it stages at once, in a list that is staged in one go, in one that is not, and in one that is
-// cut.
+// More long triangles in a warp than it stages at once: in a list that is staged at once, in one that is not, and in
+// one that is cut.
 TEST(CudaBand, ManyLongTrianglesInATile) {
   const Grid grid{{9, 8, 8}, {-4, -4, -4}, {1, 1, 1}};
   for (const int triangles : {12, 40, 120, 300}) {

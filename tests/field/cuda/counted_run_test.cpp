@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The blocking way, emulated: what is needed is counted before room is made for it. So no work is done twice, the room
-// is just what is needed, and nothing is copied to the host that no kernel wrote.
+// Blocking runs, emulated: they count the memory needed before they allocate it. So no work is done twice, no memory is
+// wasted, and nothing is copied to the host that no kernel wrote.
 #include "field/cuda/counted_run.cuh"
 #include "thesis/algorithm_1.cuh"
 
@@ -48,16 +48,16 @@ std::int64_t needed_entries(const Mesh& mesh, const Grid& grid, double thickness
   return static_cast<std::int64_t>(run.outcome().needed_entries);
 }
 
-// How many candidates tiles keep is the mesh's affair. When the room for lists was guessed, the field of a terrain was
-// begun four times, each time nearer to its end.
+// The number of candidates depends on the mesh. When the memory of lists was guessed, the field of a terrain was begun
+// four times, and got further each time.
 TEST(CudaCountedRun, CrowdedListsAreNoReasonToBeginAgain) {
   const Grid grid{{32, 32, 32}, {-8.25, -8.25, -8.25}, {0.5, 0.5, 0.5}};
   const Mesh few = testing::random_soup(101, 4, 4, 1);
-  // Small ones close together: from afar none is nearer than the others for certain, and near by they share a few
+  // Small triangles close together: from afar none is certainly nearer than the others, and near by they share a few
   // tiles.
   const Mesh crowd = testing::random_soup(102, 400, 0.3, 0.2);
   for (const double thickness : {1.0, 4.0, testing::kInfinity}) {
-    // More than was guessed by the number of triangles and tiles.
+    // More entries than the old guess from the numbers of triangles and tiles.
     ASSERT_GT(needed_entries(crowd, grid, thickness), thickness == 1 ? 6 * 400 + 2 * 64 : 4 * 400 + 48 * 64);
     const std::int64_t launches = launches_of(crowd, grid, thickness);
     EXPECT_GT(launches, 5);
@@ -85,8 +85,8 @@ TEST(CudaCountedRun, RoomIsMadeForWhatWasCounted) {
   EXPECT_EQ(memory_taken, 0);
 }
 
-// A tile that no sample of the band is in was given a slot as long as its triangles alone were known. Nobody writes it;
-// whole slots were copied all the same, which is harmless, but initcheck calls it an error.
+// A tile without a sample of the band gets a slot before its samples are known, and no kernel writes it. Such slots
+// were once copied too, which is harmless, but initcheck reports it.
 TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
   const Mesh mesh = scenes::make("bender", 400);
   const Grid grid = fit_samples(bounds(mesh), 60, {.length = 2, .least_samples = 0});
@@ -99,7 +99,7 @@ TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
     }
 }
 
-// The case above is one only where there are such tiles.
+// The test above means something only if there are such tiles.
 TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
   using namespace emulated;
   const Mesh mesh = scenes::make("bender", 400);

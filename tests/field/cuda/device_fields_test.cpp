@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// standoff/cuda.h, emulated: dense and sparse output in memory that held something else, too little room, bad
-// triangles.
+// standoff/cuda.h, emulated: dense and sparse output in memory that is not cleared, too little room, invalid triangles.
 // labels: memory threads
 #include <gtest/gtest.h>
 
@@ -144,7 +143,7 @@ TEST(CudaDeviceMemory, TooFewEntriesAreReportedAndNothingIsWritten) {
     EXPECT_NE(on.outcome.stopped, 0u);
     on.expect_nothing_written();
     if (std::isinf(thickness)) continue;
-    // The number asked for is enough.
+    // The number of entries that it asked for suffices.
     on.dense();
     on.give_entries(static_cast<std::int64_t>(on.outcome.needed_entries));
     on.run();
@@ -220,7 +219,7 @@ TEST(CudaDeviceMemory, OnlyTheTrianglesToUse) {
   }
 }
 
-// Meshes of their own sizes and grids of one size, through the largest of their workspaces.
+// Meshes of different sizes on grids of one size share the largest of their workspaces.
 TEST(CudaDeviceMemory, ManyMeshesInOneCall) {
   const Mesh first = some_mesh(), second = testing::random_soup(63, 30, 4, 2),
              third = testing::random_soup(64, 1, 1, 1);
@@ -236,7 +235,7 @@ TEST(CudaDeviceMemory, ManyMeshesInOneCall) {
   EXPECT_TRUE(testing::bits_of(b.values) == testing::bits_of(expected(second, 1.0).to_dense()));
   EXPECT_TRUE(testing::bits_of(c.values) == testing::bits_of(expected(third, 1.0, Method::thesis).to_dense()));
 
-  // One that makes no sense keeps all from being computed.
+  // A single invalid task keeps all from being computed.
   for (OnDevice* one : fields) one->dense();
   tasks[2].thickness = 0;
   EXPECT_THROW(emulated::enqueue(tasks, roomy.workspace(), roomy.bytes), Error);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many meshes in one call of standoff/cuda_compute.h, emulated: each field has the bits of the CPU's, errors are those
-// of single meshes, and what is too much for the memory at once is done in parts. labels: memory threads
+// Many meshes in one call of standoff/cuda_compute.h, emulated: each field has the CPU's bits, an error concerns a
+// single mesh, and meshes that do not fit into memory together are computed in parts. labels: memory threads
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace {
 
 using cuda::FieldRequest;
 
-// Meshes, and where their fields are written, over rubbish.
+// Meshes, and memory for their fields, filled with rubbish.
 struct Batch {
   void add(const MeshView& mesh, const Grid& grid, double thickness, Method method = Method::tiles) {
     fields.emplace_back(static_cast<std::size_t>(grid.sample_count()), -77.0f);
@@ -49,7 +49,7 @@ Grid grid_of(int samples, double spacing) {
   return {{samples, samples - 1, samples + 2}, {-half, -half, -half}, {spacing, spacing, spacing}};
 }
 
-// A GPU with so many bytes, for as long as it lives.
+// While it lives, the GPU has this number of bytes.
 class SmallGpu {
  public:
   explicit SmallGpu(std::int64_t bytes) : before_(emulated::memory_total) { emulated::memory_total = bytes; }

@@ -15,8 +15,8 @@
 namespace standoff::emulated {
 namespace {
 
-// The lists are as long as the first pass counted. Were the second one to write more, it would write in front of them,
-// and from there anywhere; were it to write fewer, what was in memory before would be taken for triangles.
+// The first pass counts the lengths of lists. If the second one wrote more, it would write in front of them, and from
+// there anywhere; if it wrote fewer, old memory would be taken for triangles.
 TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
   const Grid grid{{32, 32, 32}, {-8.25, -8.25, -8.25}, {0.5, 0.5, 0.5}};
   // Short triangles for one kernel, long ones for the other: first out of the grid, then in it.
@@ -26,7 +26,7 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
     Mesh here = testing::random_soup(104, 30, 4, longest);
     mesh.vertices[0] = mesh.vertices[1] = mesh.vertices[2] = {};  // one is counted, so that there are lists
     if (longest > 1) mesh.vertices[1] = {20, 0, 0};
-    if (leaves) std::swap(mesh.vertices, here.vertices);  // the other way round
+    if (leaves) std::swap(mesh.vertices, here.vertices);  // first in the grid, then out of it
     const DeviceMesh view{&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()),
                           mesh.triangles.data()->data(), static_cast<std::int64_t>(mesh.triangles.size())};
     Outcome outcome{};

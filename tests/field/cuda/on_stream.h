@@ -11,10 +11,10 @@
 
 namespace standoff {
 
-/// Plain memory stands for the device's.
+/// The emulated device's memory is plain memory.
 inline const cuda::OnStream kEmulated{.backend = testing::kEmulated};
 
-/// The mesh in rows with a gap behind each, as other programs may have them.
+/// The mesh in rows with a gap behind each, as other programs may lay it out.
 template <class Number, class Index>
 struct Strided {
   explicit Strided(const Mesh& mesh) {
@@ -33,7 +33,7 @@ struct Strided {
   std::vector<Index> indices;
 };
 
-/// Without a sign and a skip rule, as on a device.
+/// The CPU's field without a sign and a skip rule, as on a device.
 inline std::vector<float> on_cpu(const MeshView& mesh, const Grid& grid, double thickness,
                                  Method method = Method::tiles) {
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
@@ -45,8 +45,8 @@ inline std::vector<float> on_cpu(const MeshView& mesh, const Grid& grid, double 
   return values;
 }
 
-/// Triangles across grids of about 20 samples, half a unit apart: near the tiles on both sides of them, they are in
-/// three times as many lists as the estimate supposes.
+/// Triangles across grids of about 20 samples, half a unit apart: they are near the tiles on both sides, and so in
+/// three times as many lists as the estimate expects.
 inline Mesh wide_triangles() {
   Mesh mesh;
   for (std::uint32_t n = 0; n < 300; ++n) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts that are left out to be measured: each is left out, and what comes before it is done.
+// Steps that are left out for measurements: each is really left out, and all steps before it are done.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff/cuda_compute.h, emulated: meshes of every layout give the bits of the CPU's field, room for lists grows
-// until they fit, and what is wrong with a mesh is named. labels: memory threads
+// until they fit, and errors name the fault of a mesh. labels: memory threads
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 const Grid kStreamGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 
-// Computed where plain memory stands for the device's, over rubbish.
+// Computes on the emulated device, over memory filled with rubbish.
 std::vector<float> on_device(const MeshView& mesh, double thickness, Method method = Method::tiles) {
   std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()), -77);
   cuda::compute_into(mesh, kStreamGrid, thickness, values.data(), method, kEmulated);
@@ -41,8 +41,8 @@ void expect_same(const MeshView& mesh) {
 
 TEST(CudaStreams, EveryLayoutGivesTheBitsOfTheCpu) {
   Mesh mesh = testing::random_soup(71, 90, 4, 1.2);
-  mesh.vertices.push_back({1e9, 1e9, 1e9});  // of no triangle
-  for (Vec3& v : mesh.vertices)              // so that floats are these numbers too
+  mesh.vertices.push_back({1e9, 1e9, 1e9});  // no triangle uses it
+  for (Vec3& v : mesh.vertices)              // make all coordinates exact in float
     v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   expect_same(mesh);
   expect_same(Strided<double, std::uint32_t>(mesh).view());

@@ -24,7 +24,7 @@ constexpr Execution kCpu{.threads = 2, .backend = Backend::cpu};
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-// Around the mesh, on its surface, at its corners, and far out.
+// Points around the mesh, on its surface, at its corners, and far away.
 std::vector<Vec3> points_for(const Mesh& mesh, int count) {
   Random random(17);
   const Box box = bounds(mesh);
