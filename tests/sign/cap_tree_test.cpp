@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -379,6 +380,24 @@ TEST(QuickAngles, AreTheSameForAllInstructionSets) {
     };
     EXPECT_EQ(found(Simd::automatic), found(Simd::portable));
   }
+}
+
+// Rims without extent in one place: the radius of their common node is 0, but it is no leaf. It was once taken for one,
+// and read rim -1.
+TEST(CapTree, RimsWithoutExtentInOnePlace) {
+  const Vec3 at{0.25, 0.5, 0.75};
+  const std::array<Vec3, 3> corners{at, at, at};
+  const Rims rims(polygon(corners));
+  ASSERT_GT(rims.size(), 1u);
+  const RimTree tree(rims);
+  ProgressMeter nobody;
+  WorkCheck check(nobody, 1);
+  NodeStack stack(tree, check);
+  LinearField far;
+  far.center = at;
+  const NodeStack::Part near = stack.add_far(stack.root(), {at, {}, 0}, 0, 0, far);
+  EXPECT_EQ(near.end - near.begin, rims.size());
+  EXPECT_EQ(cap_sum_at(rims, tree, at, 0, stack).value, 0);
 }
 
 }  // namespace
