@@ -59,8 +59,8 @@ inline constexpr double kSweepTolerance = 0x1p-15, kLeastSweepTolerance = 0x1p-4
 /// The jump of a body from one time to the next, relative to its coordinates: a pose at some time takes 12 roundings, a
 /// corner in it 4 more. Smaller: a sweep misses contacts at a rounded pose.
 inline constexpr double kPoseRounding = 16 * kRoundoffDouble;
-/// The error of an addition of times near 1, with room for safety: each is rounded by 1e-16. Smaller: bodies on motions
-/// 1e10 times their size jump past each other.
+/// The time that may be lost in an addition of times near 1, which are rounded by 1e-16, times two for safety. Smaller:
+/// bodies on motions 1e10 times their size jump past each other.
 inline constexpr double kTimeRounding = 4e-16;
 /// If points of two triangles are nearer than this share of a sweep's tolerance, the direction between them is
 /// rounding.
