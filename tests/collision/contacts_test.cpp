@@ -90,7 +90,7 @@ Mesh plate(int cells, double side, Height height) {
   return mesh;
 }
 
-// However many are asked for, so many come, as long as there are any, and `overflow` tells whether there are more.
+// A query returns as many contacts as it asks for, if they exist, and `overflow` says whether there are more.
 void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected) {
   const CollisionModel model_a(a), model_b(b);
   const auto all = static_cast<std::int64_t>(expected);
@@ -108,11 +108,13 @@ void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected
   }
 }
 
-// In the same place each triangle touches itself and those it shares a corner with: of a plate's inner ones 13 in all.
+// In the same place, each triangle touches itself and the triangles that share a corner with it: 13 in all inside a
+// plate.
 TEST(Contacts, OfBodiesInTheSamePlaceAreAllNeighbours) {
   constexpr int kCells = 80;
   const Mesh wave = plate(kCells, 2, [](int u, int v) { return 0.02 * std::sin(0.7 * u + 0.3 * v); });
-  // Pairs of triangles by their common corners: n at a corner make n^2, counted twice for edges, thrice for triangles.
+  // Count pairs by common corners: n triangles at a corner make n^2 pairs, which count twice for edges, thrice for
+  // copies.
   const auto key = [](Vec3 p) { return std::array{p.x, p.y, p.z}; };
   std::map<std::array<double, 3>, std::vector<std::uint32_t>> around;
   for (std::uint32_t t = 0; t < wave.triangles.size(); ++t)
@@ -139,7 +141,7 @@ void expect_all_of_a_sheet_on_a_floor(const Mesh& floor, const Mesh& sheet) {
 TEST(Contacts, AreFoundAmongManyThatNearlyTouch) {
   constexpr int kCells = 80;
   const Mesh floor = plate(kCells, 2, [](int, int) { return 0.0; });
-  // All over the plates rounding hides whether they touch: nearly all candidates of all packets turn out not to.
+  // All over the plates, rounding hides whether they touch; nearly all candidates of all packets do not.
   expect_all_of_a_sheet_on_a_floor(floor, plate(kCells, 2, [](int u, int v) { return u + v < 4 ? -0.01 : 1e-9; }));
   // Some branches of the tree have many packets that touch, some few, and some none.
   expect_all_of_a_sheet_on_a_floor(

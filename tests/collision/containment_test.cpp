@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which body lies inside which: known answers, and winding numbers by solid angles of every corner.
+// Which body is inside the other: known answers, and winding numbers of every corner by solid angles.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -25,7 +25,7 @@ Containment opposite(Containment containment) {
                                               : containment;
 }
 
-// In both orders.
+// Asks in both orders.
 void expect_containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
                         Containment expected) {
   const CollisionResult found = collide(a, pose_a, b, pose_b, kContainment);
@@ -48,7 +48,7 @@ TEST(Containment, ABallInABall) {
   EXPECT_TRUE(crossing.hit());
   EXPECT_EQ(crossing.containment, Containment::none);
   EXPECT_NE(crossing.triangle_a, kNoTriangle);
-  // Within the margin of the surface: a hit of surfaces, as without containment.
+  // Within the margin, it is a hit of surfaces, as without containment.
   const CollisionResult near = collide(large, {}, small, moved({0.7, 0, 0}), {.margin = 0.3, .containment = true});
   EXPECT_TRUE(near.hit());
   EXPECT_EQ(near.containment, Containment::none);
@@ -130,7 +130,7 @@ TEST(Containment, CertifiedModeDoesNotKnowIt) {
             ErrorCode::usage);
 }
 
-// All corners inside, none, or some; by solid angles.
+// Whether all corners are inside, none, or some, by solid angles.
 Containment brute_containment(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& pose_b) {
   const auto share = [](const Mesh& container, const Pose& pose, const Mesh& content, const Pose& at) {
     int inside = 0;
@@ -182,7 +182,7 @@ TEST(Containment, AgreesWithTheWindingNumbersOfAllCorners) {
   expect_as_brute_force(torus, small, 60, 0.6, {2e3, -1e3, 3e3}, 1e6, 3);
 }
 
-// One unit in the last place inside the wall and outside of it: the field cannot know.
+// Points a unit in the last place inside and outside of the wall, where the field cannot decide.
 TEST(Containment, IsExactAtTheSurface) {
   const CollisionModel box(solid_box({1, 1, 1}));
   const double inside = std::nextafter(1.0, 0.0), outside = std::nextafter(1.0, 2.0);

@@ -47,7 +47,8 @@ TEST(Distance, AgreesWithEveryPairOfTriangles) {
   expect_as_brute_force(random_soup(3, 20, 1, 0.9), random_soup(4, 20, 1, 0.5), 200, 5, 3);
 }
 
-// Needles that touch: the point was computed from their normals, and off by up to 1,400 roundings of a coordinate.
+// Needles that touch: the point was once computed from their normals, with an error of up to 1,400 roundings of a
+// coordinate.
 TEST(Distance, PointsOfTouchingNeedlesLieOnThem) {
   Random random(5);
   int touching = 0;

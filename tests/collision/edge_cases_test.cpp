@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cases that tend to be forgotten, and properties that hold whatever the bodies.
+// Cases that are often forgotten, and properties that hold for all bodies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
   EXPECT_TRUE(swept.hit);
   EXPECT_EQ(swept.time, 0);
   EXPECT_TRUE(contacts(ball, {}, ball, {}).overflow);
-  // Wherever they are, and with all pairs: each triangle with itself and with all its neighbours.
+  // Anywhere, all pairs are found: each triangle with itself and with all its neighbours.
   Random random(1);
   const Mesh small = ball_mesh(1, 3);
   const CollisionModel of_small(small);
@@ -150,7 +150,7 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
     ASSERT_TRUE(swept.hit) << far;
     EXPECT_NEAR(swept.time * 2 * far, far - 0.1, 2e-3) << far;
   }
-  // So far that time has no more digits: still never free.
+  // So far that time runs out of digits: it is still never free.
   EXPECT_TRUE(sweep(wall, {}, ball, {moved({0, 0, 1e14}), moved({0, 0, -1e14}), {}}).hit);
   EXPECT_EQ(code_of([&] { sweep(wall, {}, ball, {moved({0, 0, 1e16}), moved({0, 0, 0}), {}}); }), ErrorCode::usage);
   // Farther still, each step of the time jumps over the wall: once such a sweep did not come back.
@@ -161,7 +161,8 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({5, 0, 1e9}), moved({5, 0, -1e9}), {}}).hit);
 }
 
-// Matrices may be off by a millionth, and not by the same at both ends: what the last one alone makes touch is a hit.
+// Matrices may have errors of a millionth, different ones at both ends: if only the last one makes the bodies touch,
+// this is a hit.
 TEST(EdgeCases, WhatARoundedMatrixMakesTouchAtTheEndIsAHit) {
   const CollisionModel wall(one_triangle({1000.0002, -1, -1}, {1000.0002, 1, -1}, {1000.0002, 0, 1}));
   const CollisionModel rod(one_triangle({0, 0, 0}, {1000, 0, 0}, {0, 1, 0}));
@@ -282,7 +283,7 @@ TEST(EdgeCases, MillionsOfContacts) {
   EXPECT_TRUE(some.overflow);
 }
 
-// As far inside as the thickness, a value was clamped: it stands for no distance.
+// At the thickness inside, a value is clamped, and is no distance.
 TEST(Thesis, TakesValuesOfSignedFieldsWithinTheThickness) {
   const Grid grid{{24, 24, 24}, {}, {1, 1, 1}};
   std::vector<float> values;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole numbers of any length, and doubles as such: arithmetic that cannot round, for tests of arithmetic that must not
-// show that it does. Slow; it shares nothing with src/geometry/predicates.cpp.
+// Integers of any length, and doubles as scaled integers: arithmetic without rounding, to test exact predicates. It is
+// slow, and shares nothing with src/geometry/predicates.cpp.
 #pragma once
 
 #include <algorithm>
@@ -93,8 +93,7 @@ class Whole {
   Limbs limbs_;  // the lowest first
 };
 
-/// The least power of two of which the double is a multiple; the doubles of a calculation are all scaled by the least
-/// of theirs.
+/// The least power of two that divides the double; all doubles of a calculation are scaled by their least one.
 inline int lowest_exponent(double value) { return value == 0 ? 1 << 20 : std::ilogb(value) - 52; }
 inline Whole scaled(double value, int exponent) {
   if (value == 0) return {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers about bodies by another method than standoff's, for long checks: a binary tree of boxes, and triangles told
-// apart by shadows on axes (standoff's exact test is by signs of determinants at edges), first in double with a bound
-// of its rounding, then in whole numbers. Triangles must have an area.
+// Answers about bodies by another method than standoff's, for long checks: a binary tree of boxes, and separating axes
+// of triangles (standoff's exact test takes signs of determinants at edges), first in double with a bound of its
+// rounding, then in integers. Triangles must have an area.
 #pragma once
 
 #include <algorithm>
@@ -51,8 +51,8 @@ Shadow<T> shadow(const Triple<T>& axis, const Points& points) {
   return it;
 }
 
-/// Axes on one of which two triangles with an area are apart if they are: the facets of their difference, and those in
-/// the plane where both lie in one.
+/// The axes to test: if two triangles with an area are apart, one of these separates them. They are the facets of their
+/// difference, and axes in the plane if both lie in one.
 template <class T, class Use>
 bool any_axis(const ThreeCorners<T>& p, const ThreeCorners<T>& q, bool in_plane, Use use) {
   const Triple<T> e[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]}, f[3] = {q[1] - q[0], q[2] - q[1], q[0] - q[2]};
@@ -84,7 +84,7 @@ inline bool touch_exactly(const std::array<Vec3, 3>& p, const std::array<Vec3, 3
   });
 }
 
-/// Relative to a point nearby.
+/// Coordinates relative to a point nearby.
 template <class T>
 ThreeCorners<T> seen_from(const Vec3& at, const std::array<Vec3, 3>& t) {
   ThreeCorners<T> w;
@@ -92,16 +92,16 @@ ThreeCorners<T> seen_from(const Vec3& at, const std::array<Vec3, 3>& t) {
   return w;
 }
 
-/// The triangles have a point in common, exactly.
+/// Whether the triangles have a point in common, exactly.
 inline bool independent_touch(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& q) {
   const ThreeCorners<double> a = seen_from<double>(q[0], p), b = seen_from<double>(q[0], q);
   double most = 0;
   for (const auto* t : {&a, &b})
     for (const auto& v : *t)
       for (const double x : v) most = std::max(most, std::abs(x));
-  // A shadow is a sum of three products of an axis (|component| <= 8 most^2, off by 32 u most^2) and a corner: off by
-  // less than 512 u most^3, u = epsilon / 2. Edges here are differences of rounded ones, which four times as much
-  // holds.
+  // A projection is a sum of three products of an axis (|component| <= 8 most^2, with an error of 32 u most^2) and a
+  // corner: its error is less than 512 u most^3, u = epsilon / 2. Edges here are differences of rounded ones, which
+  // four times that covers.
   const double off = 4 * 1024 * (std::numeric_limits<double>::epsilon() / 2) * most * most * most;
   bool sure = true;
   const bool apart = any_axis(a, b, false, [&](const Triple<double>& axis) {
@@ -110,12 +110,13 @@ inline bool independent_touch(const std::array<Vec3, 3>& p, const std::array<Vec
     sure = sure && gap < -off;
     return gap > off;
   });
-  // Where both lie in one plane the axes above are too few, but then the gap along its normal is none: never sure.
+  // If both lie in one plane, the axes above are too few; but then the gap along its normal is zero, so never sure.
   return apart ? false : sure ? true : touch_exactly(p, q);
 }
 
-/// A triangle that goes straight by `translation` stays out of a resting one, or is in it by no more than `deep`: some
-/// axis shows it. Axes shorter than `least` times what they are made of have no direction, and are left out.
+/// Whether some axis shows that a triangle that moves straight by `translation` stays out of a resting one, or enters
+/// it by at most `deep`. Axes shorter than `least` times the product of their edges have no direction, and are left
+/// out.
 template <class T>
 bool stays_out(const std::array<Vec3, 3>& moving, Vec3 translation, const std::array<Vec3, 3>& resting, double deep,
                T least) {
@@ -140,15 +141,14 @@ bool stays_out(const std::array<Vec3, 3>& moving, Vec3 translation, const std::a
   return false;
 }
 
-/// The same, where double cannot tell in long double. Directions are off by epsilon / `least`.
+/// The same in double, and if it cannot decide, in long double. The error of directions is epsilon / `least`.
 inline bool stays_out(const std::array<Vec3, 3>& moving, Vec3 translation, const std::array<Vec3, 3>& resting,
                       double deep) {
   return stays_out<double>(moving, translation, resting, deep, 1e-5) ||
          stays_out<Wider>(moving, translation, resting, deep, Wider(1e-8));
 }
 
-/// The least distance of two triangles that do not touch: of corners from triangles and of edges from edges, each found
-/// where neither end of a stretch can be left.
+/// The least distance of two triangles that do not touch: the least of corners from triangles and of edges from edges.
 inline double gap_of(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& q) {
   using Point = Triple<Wider>;
   const ThreeCorners<Wider> a = seen_from<Wider>(q[0], p), b = seen_from<Wider>(q[0], q);
@@ -167,7 +167,7 @@ inline double gap_of(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& q)
       const Point &u = a[i], &v = a[(i + 1) % 3], &x = b[j], &y = b[(j + 1) % 3];
       point_and_edge(u, x, y);
       point_and_edge(x, u, v);
-      // The lines' closest points, where both are inside their edges.
+      // Take the lines' closest points if both are inside their edges.
       const Point d = v - u, e = y - x, r = u - x;
       const Wider dd = dotted(d, d), ee = dotted(e, e), de = dotted(d, e), det = dd * ee - de * de;
       if (!(det > 1e-18L * dd * ee)) continue;
@@ -215,9 +215,9 @@ class IndependentBody {
     });
   }
 
-  /// Going straight by `translation` it passes through the other one by more than `deep`.
+  /// Whether it passes through the other one by more than `deep`, on a straight path by `translation`.
   bool passes_through(const IndependentBody& other, Vec3 translation, double deep) {
-    // In parts, because boxes of long translations hold much.
+    // Cut the path into parts, because boxes of long translations hold many triangles.
     const int parts = 1 + static_cast<int>(length(translation));
     const std::vector<Vec3> from = vertices_;
     bool passes = false;

@@ -18,7 +18,7 @@ std::vector<Mesh> solids() {
                   turned_inside_out(solid_ball(0.6, 4, {1.5, 0, 0}))})};
 }
 
-// By finer and finer fields; the finest has tiles that are not stored, inside and outside.
+// Takes finer and finer fields; the finest has tiles that are not stored, inside and outside.
 TEST(FieldSide, IsRightWhereItIsKnown) {
   for (const Mesh& mesh : solids())
     for (const double spacing : {0.3, 0.07, 0.02}) {
@@ -43,9 +43,9 @@ TEST(FieldSide, IsRightWhereItIsKnown) {
     }
 }
 
-// Every sample of the fine field, and the middle of every cell, with a wall at every distance from the tiles: where a
-// tile that is not stored ends four spacings from the wall, the nearest coarse sample may lie beyond the tile, too near
-// to the wall to decide.
+// Every sample of the fine field and the middle of every cell, with a wall at every distance from the tiles. If a tile
+// that is not stored ends four spacings from the wall, the nearest coarse sample may lie beyond the tile, too near to
+// the wall to decide.
 TEST(FieldSide, OfEverySampleAndCell) {
   const double h = 0.06;
   for (int n = 0; n < 16; ++n) {
@@ -80,7 +80,7 @@ TEST(InsideTest, RaysAndFieldsAgreeAtAnyPose) {
     Random random(2);
     for (int n = 0; n < 30; ++n) {
       Pose pose = n == 0 ? Pose{} : random_pose(random, n % 3 == 0 ? 1e8 : 3);
-      // As far from a rotation as poses may be.
+      // Take a matrix as far from a rotation as poses may be.
       if (n % 2 == 1)
         for (double& entry : pose.rotation) entry += random.between(-2e-7, 2e-7);
       const PlacedModel placed(data_of(model), pose);

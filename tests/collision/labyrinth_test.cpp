@@ -22,7 +22,7 @@ long from_environment(const char* name, long otherwise) {
   return text == nullptr ? otherwise : std::atol(text);
 }
 
-// Of a million questions.
+// Prints the progress of a long run.
 void tell(const char* what, long done, long all) {
   if (done > 0 && done % 100'000 == 0) std::fprintf(stderr, "%ld of %ld %s\n", done, all, what);
 }
@@ -90,7 +90,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
     RigidMotion motion;
     do motion.from = pose_inside();
     while (touches_at(motion.from));
-    // Ways of 0.02 to 10, as many short as long ones.
+    // Paths of length 0.02 to 10, as many short as long ones.
     const double speed = 0.02 * std::pow(500, random.between(0, 1));
     const Vec3 direction = random.in_cube(1) + Vec3{0, 0, 1e-3};
     const bool turns = n % 5 == 0;
@@ -105,7 +105,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
     const SweepResult swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
     hits += swept.hit;
     if (turns) {
-      // Positions on the path, as many as a path has lengths of a thin part of the fly, and always some.
+      // Test positions on the path, one per length of a thin part of the fly, and always some.
       ++turning;
       const int times = 12 + static_cast<int>(speed * 4);
       for (int k = 1; k <= times; ++k) {
@@ -117,7 +117,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
       moving.place(motion.from);
       const Vec3 translation = motion.to.translation - motion.from.translation;
       ASSERT_FALSE(moving.passes_through(still, translation * swept.time, kRounding)) << "before " << swept.time;
-      // A check that saw nothing would pass everything: it must see what the whole path leads through.
+      // A check that sees nothing would pass everything: it must see the walls that the whole path passes through.
       if (swept.hit) {
         ++straight_hits;
         moving.place(motion.from);
@@ -133,7 +133,7 @@ TEST_F(Labyrinth, SweepsMissNothing) {
       "%ld sweeps of 0.02 to 10, %ld of them turning (%ld places tested), %ld hits; none missed (%ld of %ld straight "
       "hits lead through)\n",
       sweeps, turning, sampled, hits, seen, straight_hits);
-  EXPECT_GT(seen, straight_hits * 9 / 10);  // others only come within the tolerance
+  EXPECT_GT(seen, straight_hits * 9 / 10);  // the others only come within the tolerance
   EXPECT_GT(hits, sweeps / 20);
   EXPECT_LT(hits, sweeps * 9 / 10);
 }

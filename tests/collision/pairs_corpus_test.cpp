@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of bodies that were once answered wrong: tests/corpus/pairs, whose expected.txt tells what was the matter.
+// Pairs of bodies with answers that were once wrong: tests/corpus/pairs, whose expected.txt names the faults.
 #include <gtest/gtest.h>
 
 #include <fstream>

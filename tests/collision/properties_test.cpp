@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds whatever the bodies.
+// Properties that hold for all bodies.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -58,7 +58,7 @@ TEST(Properties, LargerBodiesMeetEarlier) {
   }
 }
 
-// Who is asked first does not matter.
+// The order of the bodies does not matter.
 TEST(Properties, BothOrdersGiveTheSameAnswers) {
   const CollisionModel a(random_soup(1, 150, 1, 0.3)), b(ball_mesh(0.5, 4));
   Random random(6);
@@ -82,7 +82,7 @@ TEST(Properties, BothOrdersGiveTheSameAnswers) {
   }
 }
 
-// It does not matter which of both moves: a translation of b is the same translation of a backwards.
+// It does not matter which body moves: a translation of b equals the opposite translation of a.
 TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
   const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   constexpr double kTolerance = 1e-6;
@@ -96,7 +96,7 @@ TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
     to.translation = to.translation + translation, back.translation = back.translation - translation;
     const SweepResult one = sweep(a, rest, b, {from, to, {}}, {kTolerance}),
                       other = sweep(b, from, a, {rest, back, {}}, {kTolerance});
-    // A hit is where they are within the tolerance: grazing motions take long to get from there to touching.
+    // A hit is a time within the tolerance; on grazing motions, touching comes much later.
     if (one.hit != other.hit || std::abs(one.time - other.time) * length(translation) > 2 * kTolerance) {
       const double t = std::min(one.time, other.time);
       Pose at = from;
@@ -135,7 +135,7 @@ TEST(Properties, AWiderToleranceEndsASweepNoLater) {
     for (const double tolerance : {1e-6, 1e-4, 1e-2, 0.3}) {
       const SweepResult swept = sweep(a, {}, b, motion, {tolerance});
       const double time = swept.hit ? swept.time : 2;
-      // Where they first are within a tolerance, and up to half of it nearer.
+      // A hit is the first time within the tolerance, or up to half of it nearer.
       EXPECT_LE(time, before + 1e-12) << "pose " << n << ", tolerance " << tolerance;
       before = time;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies far away, tiny, huge, thin, and turned by matrices that single precision has rounded: against every pair of
-// triangles as it stands in the world.
+// Bodies far away, tiny, huge, thin, and rotated by matrices rounded to single precision: compares answers with every
+// pair of triangles in the world.
 #include <gtest/gtest.h>
 
 #include "standoff/collision.h"
@@ -36,7 +36,7 @@ Tally expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half
     SCOPED_TRACE("pose " + std::to_string(n));
     const Pose pose_a = round(random_pose(random, half));
     Pose pose_b = round(random_pose(random, half));
-    // Half of them moved along the shortest separation until they touch, but for rounding.
+    // Move half of them along the shortest separation until they touch, up to rounding.
     if (n % 2) {
       const DistanceResult apart = distance(model_a, pose_a, model_b, pose_b);
       pose_b.translation = pose_b.translation + (apart.point_a - apart.point_b);
@@ -51,7 +51,7 @@ Tally expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half
     const double digits = 1e-12 * (length(at) + half);
     const DistanceResult found = distance(model_a, pose_a, model_b, pose_b);
     EXPECT_NEAR(found.upper, nearest, digits);
-    EXPECT_TRUE(found.upper == 0 || !expected);  // nearer than doubles tell may be 0 too
+    EXPECT_TRUE(found.upper == 0 || !expected);  // a distance below rounding may be 0 too
     const double margin = 0.3 * half;
     if (std::abs(nearest - margin) > digits) {
       EXPECT_EQ(collide(model_a, pose_a, model_b, pose_b, {.margin = margin}).hit(), nearest <= margin);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps against the bodies at many times of the motion, each tested with every pair of triangles.
+// Compares sweeps with every pair of triangles at many times of the motion.
 #include <gtest/gtest.h>
 
 #include "standoff/collision.h"
@@ -70,8 +70,8 @@ TEST(Sweep, TheLargerBodyMoves) {
   expect_sound(ball_mesh(0.4, 2), ball_mesh(1, 3), 100, 2, 4, 0, 6);
 }
 
-// A straight motion is the same whatever point of the body is said to go straight: a far one once brought its rounding,
-// and the body through the wall.
+// A straight motion does not depend on the point that it is given for. The rounding of a far point once carried the
+// body through a wall.
 TEST(Sweep, AStraightMotionDoesNotDependOnTheCenter) {
   Mesh wall;
   add_triangle(wall, {0, -9, -9}, {0, 9, -9}, {0, 0, 9});
@@ -88,8 +88,8 @@ TEST(Sweep, AStraightMotionDoesNotDependOnTheCenter) {
   EXPECT_THROW(sweep(resting, {}, box, motion), Error);
 }
 
-// The blade turns about the centre of its bounding sphere, which therefore stays where it is while the blade does not.
-// Such a triangle was taken to be free for ever once the box of its first step was, and went through the post.
+// The blade rotates about the centre of its bounding sphere, so the sphere rests while the blade moves. If the box of
+// its first step was free, such a triangle once counted as free for ever, and passed through the post.
 TEST(Sweep, ATriangleTurnsAboutTheCentreOfItsSphere) {
   const Mesh blade = one_triangle({-1, -0.1, 0}, {1, -0.1, 0}, {0, 0.1, 0});
   Mesh posts = one_triangle({-0.05, 0.6, -0.1}, {0.05, 0.6, -0.1}, {0, 0.62, 0.1});
@@ -109,8 +109,8 @@ TEST(Sweep, ATriangleTurnsAboutTheCentreOfItsSphere) {
   }
 }
 
-// The default was 1e-4 world units: bodies 1e-6 across hit what they passed at a hundred times their size, and bodies
-// 1e6 across took their steps down to 1e-10 of themselves.
+// The default was once 1e-4 world units: bodies 1e-6 across hit bodies that they passed at a hundred times their size,
+// and bodies 1e6 across advanced to within 1e-10 of their size.
 TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
   for (const double size : {1e-9, 1e-6, 1.0, 1e6, 1e9}) {
     SCOPED_TRACE(size);
@@ -127,7 +127,7 @@ TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
     ASSERT_TRUE(by_default.hit);
     EXPECT_EQ(by_default.time, sweep(resting, {}, box, motion, {tolerance}).time);
     EXPECT_NEAR(by_default.time, 0.475, 0.03);
-    // Beside the wall, at a distance of the body's own size.
+    // Pass the wall at a distance of the body's own size.
     motion.from.translation = motion.to.translation = {1.5 * size, 0, 0};
     motion.to.translation.y = size;
     EXPECT_FALSE(sweep(resting, {}, box, motion).hit);
@@ -138,8 +138,8 @@ TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
   EXPECT_LE(automatic_tolerance(point, ball), 0x1p-35);
 }
 
-// A mesh 2e10 from its own origin: the translations of its poses are rounded by 4e-6. A needle passes along an edge,
-// nearer than that, on a path that does not touch it; but poses on the path do.
+// A mesh 2e10 from its own origin: the translations of its poses are rounded by 4e-6. A needle passes an edge at a
+// smaller distance. The exact path does not touch it, but rounded poses on the path do.
 TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   const Vec3 far{-301108018.0963652, -18188532272.843033, 11690617903.502226}, x{1, 0, 0};
   const CollisionModel still(one_triangle({0, -1, -1}, {0, 1, 1}, {0, 1, -1})),
@@ -157,7 +157,7 @@ TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   EXPECT_GT(free, 20);
 }
 
-// The tip of a hand that turns about z starts along a wall and curves into it: at first it comes no nearer at all.
+// The tip of a hand that rotates about z starts along a wall and curves into it: at first it does not approach it.
 TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
   Mesh wall;
   add_triangle(wall, {0.9, -9, -5}, {0.9, 9, -5}, {0.9, 0, 9});
@@ -175,8 +175,8 @@ TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
     }
 }
 
-// A hexagonal shaft turns in a hexagonal sleeve: its edges, 1 from the axis, meet the sleeve's sides, `apothem` from
-// it, where the cosine of the angle to a side's normal is the apothem. Nearly all of the turn is sliding along.
+// A hexagonal shaft rotates in a hexagonal sleeve. Its edges, 1 from the axis, meet the sleeve's sides, `apothem` from
+// the axis, when the cosine of the angle to a side's normal is the apothem. Nearly all of the rotation slides along.
 TEST(Sweep, AShaftTurnsInItsSleeve) {
   const auto tube = [](double radius) {
     Mesh mesh;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles so thin that rounding turns their normals, and what they lie on: how near they are, and where they touch.
+// Triangles so thin that rounding turns their normals, and triangles that they lie on: distances and points of contact.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,8 @@ using namespace standoff::testing;
 
 Corners moved_by(const Corners& t, Vec3 by) { return {t[0] + by, t[1] + by, t[2] + by}; }
 
-// Determinants of nearly parallel edges are all rounding: solved for with them, the places where the lines are nearest
-// were off by up to a ten-millionth of the edges, and the distance by as much where the edges nearly touch.
+// Determinants of nearly parallel edges are mostly rounding. The closest points of lines were once solved with them,
+// with errors of up to a ten-millionth of the edges, and so was the distance of edges that nearly touch.
 TEST(ThinTriangles, DistancesOfNearlyParallelEdgesAreRightToRounding) {
   Random random(1);
   double worst = 0;
@@ -36,7 +36,7 @@ TEST(ThinTriangles, DistancesOfNearlyParallelEdgesAreRightToRounding) {
   EXPECT_GT(worst, 0) << "something was compared";
 }
 
-// A foot inside a sliver came from its normal, which was off by the rounding over its height.
+// A foot inside a sliver once came from its normal, whose error was the rounding divided by its height.
 TEST(ThinTriangles, DistancesOfSliversAreRightToRounding) {
   Random random(2);
   double worst = 0, off_triangle = 0, way_off = 0;
@@ -57,7 +57,7 @@ TEST(ThinTriangles, DistancesOfSliversAreRightToRounding) {
   EXPECT_LE(off_triangle, 4 * 0x1p-53);
 }
 
-// What the separating axes leave out must be apart: a sliver's rounded normal may point anywhere, even along it.
+// Pairs that the separating axes exclude must be apart: a sliver's rounded normal may point anywhere, even along it.
 TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
   Random random(3);
   int touching = 0;
@@ -99,7 +99,7 @@ TEST(ThinTriangles, NoneIsPartedFromWhatItTouches) {
   EXPECT_GT(touching, 10'000);
 }
 
-// A pair moved by a little more than the depth along the normal is apart, whatever the triangles are.
+// Any pair that is moved along the normal by a little more than the depth is apart.
 void expect_way_out(const Corners& p, const Corners& q) {
   ASSERT_TRUE(triangles_intersect(p, q));
   const Penetration found = penetration(p, q);
@@ -139,13 +139,14 @@ TEST(ThinTriangles, SliversHaveAWayOutAndAPointOnBoth) {
   EXPECT_GT(touching, 5'000);
 }
 
-// What distance() says where bodies touch. From computed normals it was off by up to 1,400 roundings of a coordinate.
+// The point of distance() for touching bodies. From computed normals, its error was up to 1,400 roundings of a
+// coordinate.
 TEST(ThinTriangles, ACommonPointIsOnBothToRounding) {
   Random random(6);
   int touching = 0;
   double worst = 0;
   for (int n = 0; n < 40'000; ++n) {
-    // Slivers, those a hundredth as high as they are long foremost; at the origin, or off by more than they are long.
+    // Slivers, mostly about a hundredth as high as long; at the origin, or farther away than they are long.
     const double ratio = n % 4 ? log_between(random, 1e-4, 1e-1) : log_between(random, 1e-15, 1);
     const SliverPair pair = sliver_pair(random, ratio, Thin::any_way, TriangleOverlap::touching);
     const Vec3 far = random.in_cube(n % 3);
@@ -170,7 +171,7 @@ TEST(ThinTriangles, TheSharedSegmentsMiddleIsThePoint) {
   EXPECT_NEAR(found.depth, 1, 1e-15);
 }
 
-// The direction between closest points is one of rounding where they are very near; the slab then lies along a feature.
+// If closest points are very near, rounding decides the direction between them; then the slab lies along a feature.
 TEST(ThinTriangles, TheSlabIsAsThickAsTheyAreApart) {
   Random random(7);
   int near = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many threads at once give what one gives.
+// Many threads at once give the same answers as one.
 // labels: memory threads
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ TEST(Threads, DoNotShowInTheAnswers) {
     expect_same(touching, contacts_all(four.a, {}, four.b, four.poses, {.most = 5}, {.threads = threads}));
     expect_same(swept, sweep_all(four.a, {}, four.b, four.motions, {}, {.threads = threads}));
   }
-  // One by one is the same too.
+  // Single queries give the same too.
   for (std::size_t n = 0; n < one.poses.size(); n += 7) {
     expect_same(hits[n], collide(one.a, {}, one.b, one.poses[n]));
     expect_same(found[n], distance(one.a, {}, one.b, one.poses[n]));

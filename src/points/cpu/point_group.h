@@ -16,7 +16,7 @@ struct NodeFrames {
 };
 
 /// The BVH as the kernels see it. Node k of level l > 0 has as children the nodes from 16 (k - begin[l]) + begin[l - 1]
-/// on, node k of level 0 the triangles of the entries from 16 k on: sixteen of them, or what is left of the level
+/// on, node k of level 0 the triangles of the entries from 16 k on: sixteen of them, or the rest of the level
 /// below.
 struct BvhView {
   static constexpr int kMostLevels = Bvh::kMostLevels;

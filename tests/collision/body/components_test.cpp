@@ -24,7 +24,7 @@ TEST(Components, AreConnectedByPositions) {
             (Firsts{0, triangles, triangles + 32, triangles + 33, triangles + 34, triangles + 35, triangles + 36}));
 }
 
-// Triangles that a later one connects, by a corner alone, with zeros of both signs, and degenerate ones.
+// Triangles that a later one connects, by a single corner, by zeros of both signs, and degenerate ones.
 TEST(Components, AreFoundInAnyOrder) {
   Mesh mesh = one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   add_triangle(mesh, {5, 0, 0}, {6, 0, 0}, {5, 1, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bounds the queries rest on, the ones that hold and the ones that do not, and the kernels that compute them.
+// Bounds that queries rely on, similar bounds that do not hold, and the kernels that compute them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -82,8 +82,8 @@ TEST(Bounds, KernelsAgreeBitForBit) {
     }
 }
 
-// From the samples around a point: max(s - |x - x_i|) <= d(x) <= min(s + |x - x_i|), and the trilinear interpolation is
-// off by sqrt(3)/2 spacings at the most.
+// The samples around a point give max(s - |x - x_i|) <= d(x) <= min(s + |x - x_i|), and the error of the trilinear
+// interpolation is at most sqrt(3)/2 spacings.
 TEST(Bounds, SamplesBoundTheDistanceBetweenThem) {
   const Mesh mesh = random_soup(5, 100, 1, 0.4);
   const double h = 0.1;
@@ -167,11 +167,11 @@ TEST(Predicates, SignsOfNearlyFlatTetrahedra) {
   Random random(4);
   int zeros = 0;
   for (int n = 0; n < 20000; ++n) {
-    // On the plane up to rounding, where plain double arithmetic gets signs wrong.
+    // A point on the plane up to rounding, where plain double arithmetic gets signs wrong.
     const double s = random.between(-2, 2), t = random.between(-2, 2);
     const Vec3 d = a + (b - a) * s + (c - a) * t;
     const int sign = orient3d(a, b, c, d);
-    // All even permutations agree, all odd ones are the opposite: true of the exact sign alone.
+    // All even permutations give the sign, all odd ones the opposite: this holds for the exact sign only.
     ASSERT_EQ(orient3d(b, c, a, d), sign);
     ASSERT_EQ(orient3d(c, a, b, d), sign);
     ASSERT_EQ(orient3d(b, a, c, d), -sign);

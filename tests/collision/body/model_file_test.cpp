@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies in files: the same answers, and what becomes of files that are damaged or made up.
+// Bodies in files give the same answers; damaged or invented files give errors.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -77,7 +77,7 @@ TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
   EXPECT_EQ(CollisionModel::load(folder / "strip.body").mesh().triangles.size(), 20u);
 }
 
-// What a checksum that somebody made anew would let through.
+// Files with a new, matching checksum are checked all the same.
 TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   CollisionModel(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
   const std::string good = bytes(file_);
@@ -114,7 +114,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   for (const double spacing : {0.0, -1.0, 1e-300, 1e-5, 0.2, 0.6, 1e300, std::nan(""), HUGE_VAL})
     EXPECT_TRUE(message(56, spacing).starts_with("x.body:") && message(56, spacing).ends_with("; save the body again"))
         << message(56, spacing);
-  // It was said to be what a caller may leave to be chosen.
+  // The message once talked about a value that a caller may leave open.
   for (const double spacing : {0.0, -1.0, std::nan(""), HUGE_VAL})
     expect(56, spacing, ":header: its field's spacing is not positive and finite; save the body again");
   expect(72, std::nan(""), "vertex 0");
@@ -131,7 +131,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
   EXPECT_EQ(message(coarse, 1e30f), "read") << "wrong, but it cannot be known";
 }
 
-// Kernels count samples in single precision, which has no half past 2^23.
+// Kernels compute sample indices in single precision, which has no halves past 2^23.
 TEST_F(ModelFile, FieldsTooLongForSinglePrecisionAreAnError) {
   const auto plan = [](double length) { return collision::plan_field_bounds({{0, 0, 0}, {length, 1, 1}}, 1); };
   EXPECT_EQ(code_of([&] { plan(0x1p23); }), ErrorCode::limit);

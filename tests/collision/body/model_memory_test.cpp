@@ -12,7 +12,7 @@ namespace {
 
 using namespace standoff::testing;
 
-// Bookkeeping that the contract leaves out: list heads, the shared pointer's counts, and lines that are filled up.
+// Bookkeeping that the contract leaves out: list heads, the shared pointer's counts, and padding to cache lines.
 constexpr std::int64_t kBookkeeping = 4096;
 
 void expect_counted(const CollisionModel& model, std::int64_t held) {
@@ -39,7 +39,8 @@ void expect_what_the_heap_holds(const Mesh& mesh) {
   EXPECT_EQ(copy.memory_bytes(), built.memory_bytes());
 }
 
-// The triangles in packets of sixteen, 36 bytes each, were left out: a fifth of what a model takes besides its fields.
+// The triangles in packets of sixteen, 36 bytes each, were once left out: a fifth of a model's memory beside its
+// fields.
 TEST(ModelMemory, IsWhatTheHeapHolds) { expect_what_the_heap_holds(random_soup(3, 5000, 1, 0.05)); }
 
 TEST(ModelMemory, OfASignedField) { expect_what_the_heap_holds(solid_ball(1, 40)); }

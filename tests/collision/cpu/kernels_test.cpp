@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that choose and decide pairs of triangles, against the exact test and brute force.
+// Compares the kernels that find and decide pairs of triangles with the exact test and with brute force.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -139,7 +139,7 @@ TEST(PairKernels, MeetTellsWhereAndHowDeep) {
   EXPECT_GT(compared, 300);
 }
 
-// The distance of two convex sets by projecting onto one and the other in turns: slow, and nothing like the kernel.
+// The distance of two convex sets by alternating projections: slow, but independent of the kernel.
 double distance_by_projections(const Corners& p, const Corners& q) {
   const auto triple = [](const Vec3& v) { return Triple<double>{v.x, v.y, v.z}; };
   // A segment's closest point is on one of its edges.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Yes or no for many poses by the GPU's kernels, emulated: the CPU's answers, in every order in which threads may take
-// turns.
+// Verdicts for many poses by the emulated GPU's kernels equal the CPU's, in every order of threads.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -164,7 +163,7 @@ TEST(CudaCollide, WhereTheStackIsFullTheCpuAnswers) {
     before = counts.report.overflowed;
   }
   EXPECT_GT(before, 30);
-  // Of one triangle's tree nothing waits: it is the boxes of the other body that overflow.
+  // The BVH of a single triangle never waits on the stack: the boxes of the other body overflow.
   const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
   EXPECT_GT(expect_as_cpu(soup, {}, one, poses, 0, 2).report.overflowed, 20);
 }

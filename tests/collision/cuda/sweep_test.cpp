@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps for many motions by the GPU's kernels, emulated: what they call free is free for the CPU too, and all answers
-// are the CPU's.
+// Sweeps for many motions by the emulated GPU's kernels: motions that they call free are free for the CPU too, and all
+// answers equal the CPU's.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -165,7 +165,7 @@ TEST(CudaSweep, WhereTheStackIsFullTheCpuAnswers) {
     before = counts.report.overflowed;
   }
   EXPECT_GT(before, 20);
-  // Of one triangle's tree nothing waits: it is the boxes of the other body that overflow.
+  // The BVH of a single triangle never waits on the stack: the boxes of the other body overflow.
   const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
   EXPECT_GT(expect_as_cpu(soup, {}, one, random_motions(18, 80, 1, 1, 1), 1e-3, 2).report.overflowed, 20);
 }

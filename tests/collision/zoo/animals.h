@@ -9,7 +9,7 @@ namespace standoff::testing {
 
 inline Vec3 rounded(Vec3 v) { return {std::round(v.x), std::round(v.y), std::round(v.z)}; }
 
-/// One triangle of about unit size, alone or at one that is there already.
+/// A triangle of about unit size, alone or placed at one of the herd.
 inline Corners animal(Random& random, const Mesh& herd) {
   const auto moved_to = [&](const Corners& t, Vec3 by) { return Corners{t[0] + by, t[1] + by, t[2] + by}; };
   const Vec3 at = random.in_cube(1), p = at + random.in_cube(1), q = at + random.in_cube(1), r = at + random.in_cube(1);
@@ -87,7 +87,7 @@ inline Mesh in_units(Mesh mesh, double unit, Vec3 at) {
   return mesh;
 }
 
-/// A rotation: none, by quarters, any, or off from rigid as far as kRigidTolerance has it.
+/// A rotation: none, by quarters, any, or as far from rigid as kRigidTolerance allows.
 inline Pose any_rotation(Random& random) {
   constexpr std::array<std::array<double, 9>, 3> kQuarters{
       {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 0, 1, 0, -1, 0, 0}, {-1, 0, 0, 0, 1, 0, 0, 0, -1}}};
