@@ -101,8 +101,8 @@ class IntersectionSearch {
  private:
   bool visit(int level, std::uint32_t packet) {
     if (level == 0) {
-      // If many packets reach the surface and none intersects it, the bodies may be nested or lie on each other: spheres
-      // are too round to show that they do not touch.
+      // If many packets reach the surface and none intersects it, the bodies may be nested or lie on each other:
+      // spheres are too round to show that they do not touch.
       if (++packets_ == kManyPackets) apart_ = NodePairs(pair_).show_apart(margin_, kMostOpenings);
       if (apart_) return false;
       // The packet reaches the surface: boxes of its triangles exclude more than the field would.

@@ -20,7 +20,7 @@ namespace {
 // Pairs that are measured before a proof is tried that none is nearer, which visits all corners of both bodies.
 constexpr std::int64_t kWorthAProof = 4096;
 
-// Both hierarchies are descended together, the pair of nodes that may be nearest first.
+// Descends both BVHs together, the pair of nodes that may be nearest first.
 class DistanceSearch {
  public:
   DistanceSearch(const QueryPair& pair, double tolerance, double limit)
@@ -31,8 +31,8 @@ class DistanceSearch {
   void run() {
     if (pair_.root_gap() > reach_) return;
     std::array<NodePair, kLanes> children;
-    // Find some near pair at once: most of what the queue would hold is then farther. The second descent knows the
-    // direction that the first one found.
+    // Find a near pair first: then most pairs of nodes are farther and never enter the queue. The second descent uses
+    // the direction that the first one found.
     for (int n = 0; n < kDescents; ++n) descend(children);
     if (found_) prove_by_boxes();
     double proof_tried_at = best_;
@@ -95,7 +95,7 @@ class DistanceSearch {
     return next;
   }
 
-  // Of two leaves, the triangles that are near along the best pair's axes and along those of the target's leaf.
+  // Measures the triangles of two leaves that are near along the best pair's axes and along the target leaf's axes.
   void look_at(const NodePair& leaves) {
     const BodyBvh &target = pair_.target.body->bvh, &probe = pair_.probe.body->bvh;
     const Obb first = target.box_of(0, leaves.target), second = probe.box_of(0, leaves.probe);
@@ -114,7 +114,7 @@ class DistanceSearch {
     const int count = pair_.kernels.near_triangles(target.triangles[leaves.target], first.center,
                                                    count_of(target, leaves.target), probe.triangles[leaves.probe],
                                                    second.center, count_of(probe, leaves.probe), axes, most_sq(), near);
-    // The nearest few first: what they leave of the others is little.
+    // Measure the nearest few first: they exclude most of the others.
     const auto nearer = [](const LeafPair& a, const LeafPair& b) { return a.distance_sq < b.distance_sq; };
     LeafPair *next = near, *past = near + count;
     while (past - next > kPairs) {
@@ -126,7 +126,8 @@ class DistanceSearch {
     if (measured_ > kWorthAProof && found_) prove();
   }
 
-  // Returns where it ended. While nothing is found every pair counts; later the reach may lag behind a little.
+  // Returns the first pair left. While nothing is found, every pair is measured at once; later the reach may lag
+  // behind.
   LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
     for (; next != past; ++next, ++measured_) {
       batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
@@ -167,8 +168,8 @@ class DistanceSearch {
     nodes_.set_axes(best_axes_);
   }
 
-  // Many pairs may be equally near, such as those of two plates: no bound in single precision drops them. But where a
-  // plane keeps the bodies as far apart as the best pair is, no pair is nearer.
+  // Many pairs may be equally near, for example between two plates: no bound in single precision drops them. But if a
+  // plane separates the bodies by the distance of the best pair, no pair is nearer.
   void prove() {
     measure();
     measured_ = 0;
@@ -178,8 +179,8 @@ class DistanceSearch {
     is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
   }
 
-  // The same by the boxes of both bodies alone, which costs nothing. The normals of the two triangles are tried too:
-  // where the closest points are near each other, their difference says little about the direction.
+  // The same by the boxes of both bodies alone, which costs nothing. It also tries the normals of the two triangles: if
+  // the closest points are very near, rounding decides the direction of their difference.
   void prove_by_boxes() {
     const Vec3 between = on_probe - on_target;
     const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
@@ -191,8 +192,8 @@ class DistanceSearch {
     }
   }
 
-  // Whether bodies that reach so far towards each other, along a direction from the closest point on the target, leave
-  // a gap in which no pair is nearer than the best one.
+  // Whether bodies with these reaches towards each other, along a direction from the closest point on the target, leave
+  // a gap that proves that no pair is nearer than the best one.
   bool is_proof(double reach_of_probe, double reach_of_target) const {
     const double extent = best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius);
     return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of BVH nodes, one of each body of a query, and how far apart they are at least, by their oriented boxes. An
-// oriented box of a smooth patch is thin: its bound is off by the square of the patch's size over the radius of
-// curvature, where those of spheres and of boxes along fixed axes are off by its size.
+// Pairs of BVH nodes, one of each body of a query, and lower bounds of their distances by oriented boxes. An oriented
+// box of a smooth patch is thin: the error of its bound is the square of the patch's size over the radius of curvature,
+// whereas the error of spheres and of boxes along fixed axes is the size itself.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,14 @@ namespace standoff::collision {
 
 /// Nodes by level and number; those of level 0 are leaves, of up to sixteen triangles.
 struct NodePair {
-  float distance_sq;  ///< at least
+  float distance_sq;  ///< a lower bound
   std::uint32_t target, probe;
   std::int8_t target_level, probe_level;
 
   bool is_leaf() const { return target_level == 0 && probe_level == 0; }
 };
 
-/// Three perpendicular unit vectors, the first of which has the direction of v; any if that is zero.
+/// Three perpendicular unit vectors; the first one has the direction of v, or any direction if v is zero.
 inline std::array<Vec3, 3> axes_about(const Vec3& v) {
   const double size = length(v);
   const Vec3 first = size > 0 ? v * (1 / size) : Vec3{1, 0, 0};
@@ -35,7 +35,7 @@ inline std::array<Vec3, 3> axes_about(const Vec3& v) {
   return {first, second, cross(first, second)};
 }
 
-/// A probe whose radius is so many times less than the target's is small. Measured on flies in labyrinths and on scans:
+/// A probe is small if its radius times this is less than the target's. Measured on flies in labyrinths and on scans:
 /// between 4 and 30 it makes no difference.
 inline constexpr double kSmallProbe = 8;
 
@@ -51,7 +51,7 @@ class NodePairs {
     return {0, 0, 0, static_cast<std::int8_t>(target_.top()), static_cast<std::int8_t>(probe_.top())};
   }
 
-  /// From now on boxes are compared along these vectors too, which are in the target's frame.
+  /// Compares boxes along these vectors too, from now on. They are in the target's frame.
   void set_axes(const std::array<Vec3, 3>& axes) {
     has_axes_ = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -63,8 +63,8 @@ class NodePairs {
     }
   }
 
-  /// Opens the larger node of a pair that is no leaf: the pairs with its children whose bound is at most most_sq, in
-  /// the order of the children. Returns how many. A bound is never less than the opened pair's.
+  /// Opens the larger node of a pair that is no leaf: writes the pairs with its children whose bound is at most
+  /// most_sq, in the order of the children, and returns their number. A bound is never less than the opened pair's.
   int open(const NodePair& nodes, float most_sq, std::array<NodePair, kLanes>& children) const {
     const Obb of_target = target_.box_of(nodes.target_level, nodes.target),
               of_probe = probe_.box_of(nodes.probe_level, nodes.probe);
@@ -97,8 +97,7 @@ class NodePairs {
     return count;
   }
 
-  /// Whether the nodes' boxes show that the bodies are farther apart than `margin`; no if that takes more than `most`
-  /// openings.
+  /// Whether the nodes' boxes show, in at most `most` openings, that the bodies are farther apart than `margin`.
   bool show_apart(double margin, int most) const {
     const double radii = pair_.target.body->radius + pair_.probe.body->radius;
     const auto reach = static_cast<float>(margin * (1 + kFarShare) + kNodePairSlack * radii + pair_.pose_slack);
@@ -153,7 +152,8 @@ class NodePairs {
 
   const QueryPair& pair_;
   const BodyBvh &target_, &probe_;
-  // The target's field then tells more of the probe's spheres than boxes do: it knows all of the target at once.
+  // If the probe is small, the target's field gives better bounds for its spheres than boxes do: it covers the whole
+  // target at once.
   const bool probe_is_small_;
   bool has_axes_ = false;
   float target_axes_[3][3], probe_axes_[3][3];

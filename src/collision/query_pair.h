@@ -64,8 +64,8 @@ struct QueryPair {
   double far;
   /// The error of bounds in single precision in the target's frame, compared with the world: docs/collision.md.
   float slack;
-  /// The part of it that does not come from single precision: poses that are only nearly rigid, and the double precision
-  /// of the world.
+  /// The part of it that does not come from single precision: poses that are only nearly rigid, and the double
+  /// precision of the world.
   double pose_slack;
   const Kernels& kernels;
 

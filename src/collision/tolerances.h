@@ -23,8 +23,9 @@ static_assert(kSinglePrecisionSlack > 2 * gamma_float(14));
 /// The same in double precision, relative to coordinates in the world: some 40 operations of 2^-53 (1.1e-16).
 inline constexpr double kDoublePrecisionSlack = 1e-14;
 static_assert(kDoublePrecisionSlack > gamma_double(40));
-/// The error of the bounds of pairs of oriented boxes, relative to the radii of both bodies: 44 roundings along an axis,
-/// along three perpendicular axes the root of three times that. Smaller: a nearer pair may be missed. Larger: more nodes are opened.
+/// The error of the bounds of pairs of oriented boxes, relative to the radii of both bodies: 44 roundings along an
+/// axis, along three perpendicular axes the root of three times that. Smaller: a nearer pair may be missed. Larger:
+/// more nodes are opened.
 inline constexpr double kNodePairSlack = 5e-6;
 static_assert(kNodePairSlack > 1.7320509 * gamma_float(44));
 /// The same for triangles of two leaves: relative to the radii of both bodies, for rounded corners, and relative to the
