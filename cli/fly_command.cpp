@@ -2,25 +2,41 @@
 // standoff fly: the fly in the labyrinth, as in the thesis and without its accidents.
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <numbers>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "cli/console.h"
 #include "cli/files.h"
-#include "cli/flight_output.h"
-#include "cli/flight_server.h"
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/process.h"
+#include "cli/serve.h"
 #include "cli/text.h"
 #include "cli/verb.h"
-#include "standoff/experimental/simulation.h"
+#include "files/atomic_file.h"
+#include "fly/film.h"
+#include "fly/flight_page.h"
+#include "fly/world.h"
+#include "standoff/error.h"
+#include "standoff/picture.h"
 
 namespace standoff::cli {
 namespace {
 
-using namespace experimental;
+namespace fs = std::filesystem;
+
+using fly::FlightMode;
+using fly::FlightOptions;
+using fly::OnContact;
+using fly::PathPoint;
+using fly::World;
+
+constexpr const char* kWatchGroup = "Watching";
 
 constexpr const char* kFlyExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
@@ -28,6 +44,98 @@ constexpr const char* kFlyExamples =
   standoff fly --flies 1000 --steps 1000 --json                many at once
   standoff fly --speed 0.2 --steps 600 -o fly.html             a page that plays the flight; -o fly.mp4: a video
 )";
+
+/// What a flight is recorded into: a page, pictures in a folder, or a video.
+class FlightOutput {
+ public:
+  /// Adds -o, --every, --rate and the options of pictures; returns -o.
+  CLI::Option* add_to(CLI::App& verb);
+
+  bool given() const { return !name_.empty(); }
+  const std::filesystem::path& path() const { return file_.path(); }
+  std::int64_t every() const { return every_; }
+  /// Tells before anything is flown what would go wrong after it. `like` has the same --force. Errors: usage, output.
+  void check(const FileOutput& like, const std::vector<std::string>& inputs);
+  /// Draws and writes. Errors: as write_frames and write_video; output.
+  void write(const fly::FlightSubject& subject, std::span<const fly::FlightFrame> frames, int threads,
+             const ProgressCallback& progress) const;
+  /// Of all that was written.
+  std::int64_t bytes() const;
+
+ private:
+  enum class Kind { page, folder, video };
+
+  std::string name_;
+  Kind kind_ = Kind::page;
+  FileOutput file_;
+  std::int64_t every_ = 1;
+  double frames_per_second_ = 60;
+  PictureOptions picture_{.width = 1280, .height = 720, .elevation_deg = 40, .up = Axis::y};
+  std::vector<const CLI::Option*> of_films_, of_pictures_;
+};
+
+CLI::Option* FlightOutput::add_to(CLI::App& verb) {
+  CLI::Option* const output = add_parsed(
+      verb,
+      {"-o,--output", "FILM", "record it: a page (.html), a video (.mp4, by ffmpeg), or a\nfolder of pictures (NAME/)",
+       kWatchGroup},
+      [this](S o, S t) {
+        if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a file or folder");
+        name_ = t;
+      });
+  of_films_.push_back(add_parsed(verb, {"--every", "K", "of -o: record each K-th step (default 1)", kWatchGroup},
+                                 [this](S o, S t) { every_ = parse_count(o, t, 1, 1'000'000'000); }));
+  of_films_.push_back(add_parsed(verb, {"--rate", "F", "of -o: frames a second (default 60)", kWatchGroup},
+                                 [this](S o, S t) { frames_per_second_ = parse_positive(o, t, 1000); }));
+  of_pictures_ = add_picture_options(verb, picture_);
+  return output;
+}
+
+void FlightOutput::check(const FileOutput& like, const std::vector<std::string>& inputs) {
+  file_ = like;
+  file_.set_path(name_);
+  const auto refuse = [](const std::vector<const CLI::Option*>& options, const char* what) {
+    for (const CLI::Option* option : options)
+      if (option->count() > 0) throw Error(ErrorCode::usage, option->get_name() + what);
+  };
+  if (!given()) {
+    refuse(of_films_, ": there is no film; give -o, or leave it out");
+    refuse(of_pictures_, ": there are no pictures; give -o NAME/ or -o NAME.mp4, or leave it out");
+    return;
+  }
+  std::error_code ignored;
+  const fs::path& path = file_.path();
+  if (!path.has_filename() || fs::is_directory(path, ignored)) {
+    kind_ = Kind::folder;
+    return fly::check_frames(path, file_.existing());
+  }
+  kind_ = path.extension() == ".mp4" ? Kind::video : Kind::page;
+  file_.check({{"html", "a page", false, true}, {"mp4", "a video", false, true}});
+  for (const std::string& input : inputs) file_.check_differs(input);
+  if (kind_ == Kind::video) return fly::check_video(path, picture_);
+  refuse(of_pictures_, ": a page has no pictures; give -o NAME/ or -o NAME.mp4, or leave it out");
+}
+
+void FlightOutput::write(const fly::FlightSubject& subject, std::span<const fly::FlightFrame> frames, int threads,
+                         const ProgressCallback& progress) const {
+  if (kind_ == Kind::page)
+    return write_text(path(),
+                      fly::flight_page(subject, frames, frames_per_second_, "standoff fly: " + subject.walls_name),
+                      file_.existing());
+  fly::Film film{subject, frames, frames_per_second_, picture_};
+  film.picture.threads = threads;
+  const auto write = kind_ == Kind::folder ? fly::write_frames : fly::write_video;
+  write(path(), film, file_.existing(), progress);
+}
+
+std::int64_t FlightOutput::bytes() const {
+  std::error_code ignored;
+  if (kind_ != Kind::folder) return static_cast<std::int64_t>(fs::file_size(path(), ignored));
+  std::int64_t sum = 0;
+  for (const auto& entry : fs::directory_iterator(path(), ignored))
+    if (entry.is_regular_file(ignored)) sum += static_cast<std::int64_t>(entry.file_size(ignored));
+  return sum;
+}
 
 struct FlyCommand {
   std::string labyrinth = "scene:labyrinth", fly = "scene:fly";
@@ -75,7 +183,7 @@ void FlyCommand::check_outputs() {
 
 void FlyCommand::watch(const CollisionModel& maze, const CollisionModel& flier) {
   auto flight = std::make_unique<fly::Flight>(maze, flier, options, flies);
-  FlightServer page(fly::flight_subject(labyrinth, maze, flier, options.execution), std::move(flight));
+  fly::FlightServer page(fly::flight_subject(labyrinth, maze, flier, options.threads), std::move(flight));
   server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
 }
 
@@ -85,7 +193,7 @@ void FlyCommand::record(const CollisionModel& maze, const CollisionModel& flier)
   {
     const Cancellable cancellable;
     frames = fly::recorded(flight, steps, film.every(), console.progress());
-    film.write(fly::flight_subject(labyrinth, maze, flier, options.execution), frames, options.execution.threads,
+    film.write(fly::flight_subject(labyrinth, maze, flier, options.threads), frames, options.threads,
                console.progress());
   }
   std::int64_t collisions = 0, crossings = 0;
@@ -143,7 +251,7 @@ void FlyCommand::run() {
     const auto start = std::chrono::steady_clock::now();
     world.run(steps, visit);
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    for (const Flier& it : world.fliers()) collisions += it.collisions, crossings += it.crossings;
+    for (const fly::Flier& it : world.fliers()) collisions += it.collisions, crossings += it.crossings;
   }
   options.progress = nullptr;
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
@@ -207,11 +315,11 @@ void add_fly(CLI::App& program) {
   verb->add_flag_callback(
           "--no-check", [&options] { options.check = false; }, "do not look for wall crossings: faster")
       ->group("Collision");
-  add_threads(*verb, "Flight", options.execution.threads);
+  add_threads(*verb, "Flight", options.threads);
   it->path.add_to(*verb, "FILE", "where each fly starts, turns and ends: .csv or .ply", "--path");
   it->force = verb->get_option("--force");
   verb->add_flag("--view", it->view, "watch it in a browser: speed, mode and number of flies\nchange while they fly")
-      ->group("Watching")
+      ->group(kWatchGroup)
       ->excludes("--path")
       ->excludes("--steps");
   it->film.add_to(*verb)->excludes("--view")->excludes("--path");

@@ -15,8 +15,6 @@
 namespace standoff::fly {
 namespace {
 
-using namespace experimental;
-
 FlightOptions inside(const CollisionModel& walls, FlightOptions options) {
   options.bounds = walls.bounds();
   return options;

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "fly/world.h"
 #include "standoff/collision.h"
-#include "standoff/experimental/simulation.h"
 #include "standoff/vec.h"
 
 namespace standoff::fly {
@@ -33,8 +33,8 @@ struct FlightFrame {
 };
 
 struct FlightControls {
-  experimental::FlightMode mode = experimental::FlightMode::sweep;
-  experimental::OnContact on_contact = experimental::OnContact::turn_back;
+  FlightMode mode = FlightMode::sweep;
+  OnContact on_contact = OnContact::turn_back;
   double speed = 0.02;           ///< world units a step
   std::int64_t bodies = 1;       ///< 1 to kMostBodies
   double steps_per_second = 60;  ///< 0 stops it; at most kMostSteps
@@ -47,8 +47,7 @@ inline constexpr double kMostSteps = 100'000;
 class Flight {
  public:
   /// Bodies start at random places in the walls' box. Errors: as World.
-  Flight(const CollisionModel& walls, const CollisionModel& flier, const experimental::FlightOptions& options,
-         std::int64_t bodies);
+  Flight(const CollisionModel& walls, const CollisionModel& flier, const FlightOptions& options, std::int64_t bodies);
 
   const FlightControls& controls() const { return controls_; }
   /// Errors: usage; input (no room for so many); the flight goes on as before.
@@ -61,7 +60,7 @@ class Flight {
   FlightFrame frame();
 
  private:
-  experimental::World world_;
+  World world_;
   Box box_;
   Vec3 middle_;
   FlightControls controls_;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flights as pages hold them (view/README.md).
+// A flight as a page: recorded, or watched while it goes on (view/README.md).
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "fly/flight.h"
 #include "standoff/mesh.h"
+#include "view/server/server.h"
 
 namespace standoff::fly {
 
@@ -20,23 +23,35 @@ struct FlightSubject {
 
 /// The shell is as far from the fly as a quarter of its box's longest side.
 FlightSubject flight_subject(std::string walls_name, const CollisionModel& walls, const CollisionModel& flier,
-                             const Execution& execution);
+                             int threads);
 
 /// From how far on a wall is shown as far, world units.
 double far_of(const FlightSubject& subject);
 
-/// The walls, with few triangles for while things move, which is always.
-std::string walls_data(const FlightSubject& subject);
-/// The fly, its shell, and what there is to say of the flight, for a page that watches it.
-std::string watched_data(const FlightSubject& subject, const FlightControls& controls);
 /// A page that shows a recorded flight, `frames_per_second` of its frames a second. Errors: usage (no frames).
 std::string flight_page(const FlightSubject& subject, std::span<const FlightFrame> frames, double frames_per_second,
                         const std::string& title);
 
-/// What the page of a flight is made with: y is up.
-std::string watched_page(const FlightSubject& subject);
+/// What the page of `standoff fly --view` asks its server for.
+class FlightServer {
+ public:
+  FlightServer(const FlightSubject& subject, std::unique_ptr<Flight> flight);
+
+  void answer(const view::Request& request, std::string_view route, view::Reply& reply);
+  view::PageWatch& watch() { return watch_; }
+
+ private:
+  void change(const view::Request& request, view::Reply& reply);
+  void poses(view::Reply& reply);
+  void events(view::Reply& reply);
+
+  FlightSubject subject_;
+  std::string walls_;
+  FlightShow show_;
+  view::PageWatch watch_;
+};
 
 /// "sweep" or "thesis".
-const char* name_of(experimental::FlightMode mode);
+const char* name_of(FlightMode mode);
 
 }  // namespace standoff::fly

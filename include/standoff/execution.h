@@ -13,7 +13,7 @@ enum class Backend {
 
 /// The instruction set of the CPU's kernels: of compute() by the method `tiles`, of building a model's fields, and of
 /// batches of collision queries. Queries without an Execution take the best set. verify(), closest_points(),
-/// interpolation, Algorithm 1 and simulations have no kernels to choose. The bits of a result do not depend on the set.
+/// interpolation and Algorithm 1 have no kernels to choose. The bits of a result do not depend on the set.
 enum class Simd { automatic, portable, avx2, avx512 };
 
 /// The largest number of threads a call accepts.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// collision.h, pose.h and simulation.h with arguments that make no sense.
+// collision.h and pose.h with arguments that make no sense.
 #include "standoff/collision.h"
-#include "standoff/experimental/simulation.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
 #include "tests/api/misuse.h"
@@ -10,31 +9,11 @@
 namespace standoff {
 namespace {
 
-using namespace experimental;
-
 using namespace testing;
 
 const CollisionModel& body() {
   static const CollisionModel model(one_triangle(), {.execution = {.threads = 1}});
   return model;
-}
-
-std::vector<Pose> odd_poses() {
-  std::vector<Pose> poses;
-  for (const double x : kNumbers)
-    for (const int entry : {0, 5, 9, 11}) {
-      Pose pose;
-      if (entry < 9)
-        pose.rotation[static_cast<std::size_t>(entry)] = x;
-      else
-        (entry == 9 ? pose.translation.x : pose.translation.z) = x;
-      poses.push_back(pose);
-    }
-  Pose mirror, zero;
-  mirror.rotation[0] = -1;
-  zero.rotation = {};
-  poses.insert(poses.end(), {mirror, zero});
-  return poses;
 }
 
 TEST(Misuse, Poses) {
@@ -121,7 +100,6 @@ TEST(Misuse, Batches) {
     expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, execution); });
     expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, execution); });
     expect_usage(name, [&] { CollisionModel(one_triangle(), {.execution = execution}); });
-    expect_usage(name, [&] { World(body(), {.execution = execution}); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated}) {
     const Execution elsewhere{.backend = backend};
@@ -129,7 +107,6 @@ TEST(Misuse, Batches) {
     expect_usage("certified", [&] { collide_all(body(), {}, body(), poses, certified, elsewhere); });
     expect_usage("distance", [&] { distance_all(body(), {}, body(), poses, {}, elsewhere); });
     expect_usage("contacts", [&] { contacts_all(body(), {}, body(), poses, {}, elsewhere); });
-    expect_usage("flight", [&] { World(body(), {.execution = elsewhere}); });
   }
   expect_usage("certified containment",
                [&] { collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified, .containment = true}); });
@@ -148,81 +125,10 @@ TEST(Misuse, Batches) {
     }
 }
 
-TEST(Misuse, Flights) {
-  const auto expect = [](const std::string& name, const FlightOptions& options) {
-    expect_answer_or_error(name, [&] {
-      World world(body(), options);
-      world.add(body(), make_pose({0, 0, 1}, 0, {5, 5, 5}));
-      world.add_flier({{-3, -3, -3}, {3, 3, 3}});
-      world.run(3);
-    });
-  };
-  for (const FlightMode mode : {FlightMode::sweep, FlightMode::thesis, none_of<FlightMode>()})
-    for (const double x : kNumbers) {
-      const auto with = [&](double FlightOptions::*member) {
-        FlightOptions options;
-        options.mode = mode;
-        options.execution.threads = 1;
-        options.on_contact = none_of<OnContact>();
-        options.*member = x;
-        return options;
-      };
-      expect(named("speed", x), with(&FlightOptions::speed));
-      expect(named("scatter", x), with(&FlightOptions::scatter_rad));
-      expect(named("tolerance", x), with(&FlightOptions::tolerance));
-      expect(named("thickness", x), with(&FlightOptions::thickness));
-      expect(named("minimum", x), with(&FlightOptions::minimum));
-      expect(named("threshold", x), with(&FlightOptions::threshold));
-      FlightOptions outside = with(&FlightOptions::threshold);
-      outside.threshold = 0;
-      outside.bounds = {{x, -1, -1}, {1, x, 1}};
-      expect(named("bounds", x), outside);
-    }
-  for (const int n : kThreads) {
-    FlightOptions options;
-    options.execution.threads = n;
-    expect_usage(named("threads", n), [&] { World(body(), options); });
-  }
-}
-
-TEST(Misuse, Worlds) {
-  FlightOptions options;
-  options.execution.threads = 1;
-  World world(body(), options);
-  expect_usage("no body", [&] { world.grid(0); });
-  expect_usage("no body", [&] { world.grid(std::numeric_limits<std::size_t>::max()); });
-  expect_usage("steps", [&] { world.run(-1); });
-  expect_answer_or_error("no fliers", [&] { world.run(kMost); });
-  for (const Pose& pose : odd_poses()) expect_answer_or_error("add", [&] { world.add(body(), pose); });
-  for (const double x : kNumbers) expect_answer_or_error("box", [&] { world.add_flier({{0, 0, 0}, {x, x, x}}); });
-  for (const Pose& pose : odd_poses())
-    for (const double x : kNumbers)
-      expect_answer_or_error("flier", [&] { world.restore_flier(Flier{pose, {x, 0, 0}}); });
-  FlightOptions odd = options;
-  odd.speed = -1;
-  expect_usage("options", [&] { world.set_options(odd); });
-  EXPECT_EQ(world.options().speed, options.speed);
-  world.keep_fliers(std::numeric_limits<std::size_t>::max());
-  world.keep_fliers(0);
-  EXPECT_TRUE(world.fliers().empty());
-  std::vector<double> distances(1);
-  expect_usage("distances", [&] { world.wall_distances(distances); });
-  EXPECT_THROW(
-      {
-        World another(body(), options);
-        another.add_flier({{0, 0, 0}, {1, 1, 1}});
-        another.run(2, [](std::size_t, std::int64_t, const Pose&) { throw 5; });
-      },
-      int);
-}
-
-TEST(Misuse, PathsAndFiles) {
+TEST(Misuse, Files) {
   const TempFolder folder;
-  const std::vector<PathPoint> points{{-1, kMost, {kNaN, kInfinite, 0}}, {-1, 0, {}}};
   for (const auto& path :
        {std::filesystem::path(), std::filesystem::path("/"), folder / "a", folder / "no/a.csv", folder / "a.csv"}) {
-    expect_answer_or_error("write_path", [&] { write_path(path, points); });
-    expect_answer_or_error("write_path", [&] { write_path(path, {}, none_of<Existing>()); });
     expect_answer_or_error("save", [&] { body().save(path); });
     expect_answer_or_error("load", [&] { CollisionModel::load(path); });
   }

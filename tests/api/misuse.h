@@ -15,6 +15,7 @@
 #include "standoff/error.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
+#include "standoff/pose.h"
 
 namespace standoff::testing {
 
@@ -95,6 +96,25 @@ inline std::vector<Mesh> odd_meshes() {
   }
   meshes.push_back({{{1, 1, 1}}, {{0, 0, 0}}});
   return meshes;
+}
+
+/// No rotations, and poses whose numbers are none.
+inline std::vector<Pose> odd_poses() {
+  std::vector<Pose> poses;
+  for (const double x : kNumbers)
+    for (const int entry : {0, 5, 9, 11}) {
+      Pose pose;
+      if (entry < 9)
+        pose.rotation[static_cast<std::size_t>(entry)] = x;
+      else
+        (entry == 9 ? pose.translation.x : pose.translation.z) = x;
+      poses.push_back(pose);
+    }
+  Pose mirror, zero;
+  mirror.rotation[0] = -1;
+  zero.rotation = {};
+  poses.insert(poses.end(), {mirror, zero});
+  return poses;
 }
 
 /// No grids, and grids that no memory holds: more than 2^31 tiles of 512 samples.

@@ -17,7 +17,6 @@
 #include "standoff/confidence.h"
 #include "standoff/cuda.h"
 #include "standoff/cuda_compute.h"
-#include "standoff/experimental/simulation.h"
 #include "standoff/exposed.h"
 #include "standoff/hermite.h"
 #include "standoff/inspect.h"
@@ -39,8 +38,6 @@
 
 namespace standoff {
 namespace {
-
-using namespace experimental;
 
 namespace heap = testing::heap;
 
@@ -254,27 +251,6 @@ TEST(RefusedMemory, Bodies) {
   expect_limit_error("batch", [&] { collide_all(body, {}, body, poses, {}, {.threads = 1, .backend = Backend::cpu}); });
 }
 
-TEST(RefusedMemory, Flights) {
-  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
-  for (const FlightMode mode : {FlightMode::sweep, FlightMode::thesis}) {
-    FlightOptions options;
-    options.mode = mode;
-    options.execution.threads = 1;
-    expect_limit_error("world", [&] {
-      World world(body, options);
-      world.add(body, make_pose({0, 0, 1}, 0, {5, 5, 5}));
-      world.add_flier({{-3, -3, -3}, {-1, -1, -1}});
-      world.run(3);
-      world.restore_flier(world.fliers()[0]);
-      options.speed = 0.1;
-      world.set_options(options);
-      std::array<double, 2> distances{};
-      world.wall_distances(distances);
-    });
-    expect_error_or_limit("grid", [&] { World(body, options).grid(0); });
-  }
-}
-
 TEST(RefusedMemory, Files) {
   const TempFolder folder;
   for (const char* name : {"a.stl", "a.ply", "a.obj"}) {
@@ -320,9 +296,6 @@ TEST(RefusedMemory, Files) {
   expect_limit_error("read_query", [&] { read_query(query_path); });
   expect_limit_error("write_text", [&] { write_text(text, "some"); });
   expect_limit_error("read_text", [&] { read_text(text); });
-  const auto flight = folder / "a.csv";
-  const std::vector<PathPoint> points{{0, 0, {}}};
-  expect_limit_error("write_path", [&] { write_path(flight, points); });
   expect_limit_error("slice", [&] { write_slice_png(picture, field); });
   expect_limit_error("slice_plane", [&] { slice_plane(field); });
   const PictureOptions small{.width = 16, .height = 16, .threads = 1};

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "fly/flight_pictures.h"
-#include "tests/simulation/room.h"
+#include "tests/fly/room.h"
 
 namespace standoff::fly {
 namespace {

@@ -9,19 +9,18 @@
 #include <cstring>
 #include <thread>
 
-#include "tests/simulation/room.h"
+#include "tests/fly/room.h"
 
 namespace standoff::fly {
 namespace {
 
-using namespace experimental;
 using namespace standoff::testing;
 
 FlightOptions quick() {
   FlightOptions options;
   options.speed = 0.2;
   options.thickness = 0.5;
-  options.execution.threads = 1;
+  options.threads = 1;
   return options;
 }
 

@@ -1,31 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the lines of a path begin, in the files that write_path() makes.
+// Where the lines of a path begin; tests/fly asks it of the files that standoff fly writes.
 #include "io/points/points.h"
 
 #include <gtest/gtest.h>
 
 #include "standoff/error.h"
-#include "standoff/experimental/simulation.h"
 #include "tests/support/error_code.h"
-#include "tests/support/temp_folder.h"
 
 namespace standoff {
 namespace {
-
-using experimental::PathPoint;
-
-const std::vector<PathPoint> kPoints{{0, 0, {1, 2, 3}}, {0, 1, {1, 2, 4}}, {3, 0, {5, 6, 7}},
-                                     {4, 0, {8, 8, 8}}, {4, 1, {8, 8, 9}}, {4, 2, {8, 9, 9}}};
-
-TEST(PathStarts, AreThoseOfTheFliers) {
-  const TempFolder folder;
-  for (const char* name : {"path.csv", "path.ply"}) {
-    write_path(folder / name, kPoints);
-    const std::string text = read_bytes(folder / name);
-    EXPECT_TRUE(is_path(text)) << name;
-    EXPECT_EQ(path_starts(name, text, kPoints.size()), (std::vector<std::size_t>{0, 2, 3})) << name;
-  }
-}
 
 TEST(PathStarts, OtherFilesOfPointsAreNoPaths) {
   EXPECT_FALSE(is_path("x,y,z\n1,2,3\n"));

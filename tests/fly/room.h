@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "standoff/experimental/simulation.h"
+#include "fly/world.h"
 #include "tests/collision/bodies.h"
 
 namespace standoff::testing {
@@ -26,25 +26,25 @@ inline Mesh room() {
 }
 
 struct Flown {
-  std::vector<experimental::Flier> fliers;
-  std::vector<experimental::PathPoint> path;
+  std::vector<fly::Flier> fliers;
+  std::vector<fly::PathPoint> path;
 };
 
-inline Flown fly(experimental::FlightOptions options, std::int64_t steps, int count) {
+inline Flown flown(fly::FlightOptions options, std::int64_t steps, int count) {
   const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
-  experimental::World world(body, options);
+  fly::World world(body, options);
   world.add(walls);
   for (int n = 0; n < count; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
-  Flown flown;
+  Flown all;
   std::mutex adding;
   world.run(steps, [&](std::size_t n, std::int64_t step, const Pose& pose) {
     const std::lock_guard lock(adding);
-    flown.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
+    all.path.push_back({static_cast<std::int64_t>(n), step, pose.translation});
   });
   // Threads take the fliers in any order; those of one keep theirs.
-  std::ranges::stable_sort(flown.path, {}, &experimental::PathPoint::flier);
-  flown.fliers.assign(world.fliers().begin(), world.fliers().end());
-  return flown;
+  std::ranges::stable_sort(all.path, {}, &fly::PathPoint::flier);
+  all.fliers.assign(world.fliers().begin(), world.fliers().end());
+  return all;
 }
 
 }  // namespace standoff::testing

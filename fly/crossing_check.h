@@ -10,7 +10,7 @@
 #include "standoff/mesh.h"
 #include "standoff/pose.h"
 
-namespace standoff {
+namespace standoff::fly {
 
 class CrossingCheck {
  public:
@@ -37,4 +37,4 @@ class CrossingCheck {
 /// paths are checked.
 std::vector<Vec3> outermost_points(MeshView mesh);
 
-}  // namespace standoff
+}  // namespace standoff::fly

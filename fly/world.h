@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moving bodies among resting bodies: the thesis's fly in the labyrinth (docs/thesis.md).
-// It is a demonstration of sweeps; names and options may change in any version.
+// A demonstration of sweeps.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "standoff/collision.h"
-#include "standoff/execution.h"
-#include "standoff/export.h"
+#include "standoff/existing.h"
+#include "standoff/mesh.h"
+#include "standoff/pose.h"
 #include "standoff/progress.h"
 
-namespace standoff::experimental {
+namespace standoff::fly {
 
 /// How contacts of a moving body with resting ones are found.
 enum class FlightMode {
@@ -40,8 +41,8 @@ struct FlightOptions {
   double minimum = 2;    ///< thesis mode: the parameter e of minimum_grid() in standoff/thesis.h
   double threshold = 0;  ///< thesis mode: the threshold of the sum; 0: the larger spacing of the two grids
   std::uint64_t seed = 1;
-  Execution execution = {};  ///< runs on the CPU; any other backend is Error{usage}
-  bool check = true;         ///< count wall crossings by the independent check
+  int threads = 0;    ///< as in Execution
+  bool check = true;  ///< count wall crossings by the independent check
   ProgressCallback progress = {};
 };
 
@@ -56,7 +57,7 @@ struct Flier {
 };
 
 /// Resting bodies and any number of moving bodies. The moving ones have the same shape and ignore each other.
-class STANDOFF_API World {
+class World {
  public:
   /// Errors: usage (options), input.
   World(const CollisionModel& flier, const FlightOptions& options);
@@ -110,7 +111,7 @@ struct PathPoint {
 
 /// Writes paths, sorted by flier and step, as .csv (flier,step,x,y,z) or as .ply with vertices and edges; the file
 /// appears whole or not at all. Errors: output, usage (another extension).
-STANDOFF_API void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
-                             Existing existing = Existing::replace);
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points,
+                Existing existing = Existing::replace);
 
-}  // namespace standoff::experimental
+}  // namespace standoff::fly

@@ -16,18 +16,18 @@
 #include <string>
 #include <vector>
 
-#include "core/guarded.h"
 #include "core/hashes.h"
 #include "core/threads.h"
 #include "files/atomic_file.h"
-#include "simulation/crossing_check.h"
+#include "fly/crossing_check.h"
+#include "fly/world.h"
 #include "standoff/compute.h"
-#include "standoff/experimental/simulation.h"
+#include "standoff/error.h"
 #include "standoff/field.h"
 #include "standoff/points.h"
 #include "standoff/thesis.h"
 
-namespace standoff::experimental {
+namespace standoff::fly {
 
 // All that a world holds.
 struct World::State {
@@ -63,7 +63,7 @@ namespace {
 
 // Errors: usage.
 void check_options(const FlightOptions& o) {
-  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("simulation: ") + what); };
+  const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("flight: ") + what); };
   if (!(o.speed >= 0) || !std::isfinite(o.speed))
     fail("the speed must be zero or more, and finite; give world units a step");
   if (!(o.scatter_rad >= 0 && o.scatter_rad <= std::numbers::pi))
@@ -74,7 +74,7 @@ void check_options(const FlightOptions& o) {
     fail("the thickness must be positive and finite; give a few steps' length");
   if (!(o.threshold >= 0) || !std::isfinite(o.threshold))
     fail("the threshold must be zero or more, and finite; 0 takes the larger spacing");
-  validate("simulation", o.execution, Runs::on_the_cpu);
+  if (o.threads < 0 || o.threads > kMaxThreads) fail("the number of threads must be from 0 to 1024; 0 takes all cores");
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ void check_options(const FlightOptions& o) {
 DistanceField World::State::thesis_field(const CollisionModel& model) const {
   const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
   ComputeOptions compute_options;
-  compute_options.execution = options.execution;
+  compute_options.execution.threads = options.threads;
   return compute(model.mesh(), grid, options.thickness, compute_options).field;
 }
 
@@ -101,7 +101,7 @@ void World::State::prepare(Resting& body) const {
 
 const FlightOptions& World::options() const { return state_->options; }
 
-void World::set_options(const FlightOptions& options) try {
+void World::set_options(const FlightOptions& options) {
   check_options(options);
   // Into a copy: what fails changes nothing.
   State changed = *state_;
@@ -109,33 +109,30 @@ void World::set_options(const FlightOptions& options) try {
   changed.prepare();
   for (State::Resting& body : changed.resting) changed.prepare(body);
   *state_ = std::move(changed);
-} catch (...) {
-  throw_as_error("simulation");
 }
 
-void World::restore_flier(const Flier& flier) try {
+void World::restore_flier(const Flier& flier) {
   validate(flier.pose);
   if (!(std::abs(length(flier.direction) - 1) < 1e-6))
-    throw Error(ErrorCode::usage, "simulation: a direction is not one long; give a unit vector");
+    throw Error(ErrorCode::usage, "flight: a direction is not one long; give a unit vector");
   state_->fliers.push_back(flier);
-} catch (...) {
-  throw_as_error("simulation");
 }
 
 void World::keep_fliers(std::size_t count) {
   if (count < state_->fliers.size()) state_->fliers.resize(count);
 }
 
-void World::wall_distances(std::span<double> out) try {
+void World::wall_distances(std::span<double> out) {
   if (out.size() != state_->fliers.size())
-    throw Error(ErrorCode::usage, "simulation: there are " + std::to_string(state_->fliers.size()) +
+    throw Error(ErrorCode::usage, "flight: there are " + std::to_string(state_->fliers.size()) +
                                       " moving bodies; give room for as many distances");
   std::vector<Vec3> points(out.size());
   std::vector<double> distances(out.size());
   std::ranges::fill(out, std::numeric_limits<double>::infinity());
   const Vec3 middle = state_->flier.bounds().center();
   for (State::Resting& body : state_->resting) {
-    if (!body.query) body.query.emplace(body.model.mesh(), MeshQueryOptions{.execution = state_->options.execution});
+    if (!body.query)
+      body.query.emplace(body.model.mesh(), MeshQueryOptions{.execution = {.threads = state_->options.threads}});
     for (std::size_t n = 0; n < points.size(); ++n)
       points[n] = apply_inverse(body.pose, apply(state_->fliers[n].pose, middle));
     // One by one: points far from each other have no triangles in common, and are slow to ask for together.
@@ -144,8 +141,6 @@ void World::wall_distances(std::span<double> out) try {
       out[n] = std::min(out[n], distances[n]);
     }
   }
-} catch (...) {
-  throw_as_error("simulation");
 }
 
 namespace {
@@ -244,29 +239,25 @@ void World::State::step(Flier& it) const {
   it.pose = next;
 }
 
-World::World(const CollisionModel& flier, const FlightOptions& options) try
+World::World(const CollisionModel& flier, const FlightOptions& options)
     : state_(new State{flier, options, {}, {}, {}, {}}) {
   check_options(options);
   state_->prepare();
-} catch (...) {
-  throw_as_error("simulation");
 }
 
 World::~World() = default;
 
-void World::add(const CollisionModel& body, const Pose& pose) try {
+void World::add(const CollisionModel& body, const Pose& pose) {
   validate(pose);
   State::Resting resting{body, pose, 0, {}, {}, {}};
   state_->prepare(resting);
   state_->resting.push_back(std::move(resting));
-} catch (...) {
-  throw_as_error("simulation");
 }
 
-void World::add_flier(const Box& box) try {
+void World::add_flier(const Box& box) {
   if (box.empty() || !is_finite(box.min) || !is_finite(box.max))
     throw Error(ErrorCode::usage,
-                "simulation: the box to start in is empty or not finite; give one with room for the body");
+                "flight: the box to start in is empty or not finite; give one with room for the body");
   Flier it;
   it.seed = state_->options.seed * 0xd1342543de82ef95u + state_->fliers.size() * 0x2545f4914f6cdd1du;
   const Vec3 middle = state_->flier.bounds().center();
@@ -286,15 +277,13 @@ void World::add_flier(const Box& box) try {
     return;
   }
   throw Error(ErrorCode::input,
-              "simulation: no free pose for a moving body in 10,000 tries; give it more room or make it smaller");
-} catch (...) {
-  throw_as_error("simulation");
+              "flight: no free pose for a moving body in 10,000 tries; give it more room or make it smaller");
 }
 
 std::span<const Flier> World::fliers() const { return state_->fliers; }
 
-void World::run(std::int64_t steps, const Visit& visit) try {
-  if (steps < 0) throw Error(ErrorCode::usage, "simulation: the number of steps is negative; give zero or more");
+void World::run(std::int64_t steps, const Visit& visit) {
+  if (steps < 0) throw Error(ErrorCode::usage, "flight: the number of steps is negative; give zero or more");
   State& state = *state_;
   std::atomic<std::int64_t> done{0};
   std::atomic<bool> cancelled{false};
@@ -302,32 +291,28 @@ void World::run(std::int64_t steps, const Visit& visit) try {
   const double all = static_cast<double>(steps) * static_cast<double>(state.fliers.size());
   const auto fly = [&](std::size_t n) {
     Flier& it = state.fliers[n];
-    if (visit) call_back(visit, n, 0, it.pose);
+    if (visit) visit(n, 0, it.pose);
     for (std::int64_t k = 0; k < steps && !cancelled; ++k) {
       const std::int64_t before = it.collisions + it.turns;
       state.step(it);
-      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) call_back(visit, n, k + 1, it.pose);
+      if (visit && (it.collisions + it.turns != before || k + 1 == steps)) visit(n, k + 1, it.pose);
       if ((k + 1) % kStepsAtOnce != 0 && k + 1 != steps) continue;
       done += k % kStepsAtOnce + 1;
       if (!state.options.progress) continue;
       if (const std::unique_lock lock(telling, std::try_to_lock); lock && !cancelled)
-        cancelled = !call_back(state.options.progress, Progress{"fly", static_cast<double>(done) / all});
+        cancelled = !state.options.progress({"fly", static_cast<double>(done) / all});
     }
   };
-  Threads(state.options.execution.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
+  Threads(state.options.threads).run([&] { tbb::parallel_for(std::size_t{0}, state.fliers.size(), fly); });
   if (cancelled)
-    throw Error(ErrorCode::interrupted, "simulation: cancelled; run it again to go on from where the bodies are");
-} catch (...) {
-  throw_as_error("simulation");
+    throw Error(ErrorCode::interrupted, "flight: cancelled; run it again to go on from where the bodies are");
 }
 
-Grid World::grid(std::size_t n) const try {
+Grid World::grid(std::size_t n) const {
   if (n >= state_->resting.size())
-    throw Error(ErrorCode::usage, "simulation: there is no resting body " + std::to_string(n) + "; add it first");
+    throw Error(ErrorCode::usage, "flight: there is no resting body " + std::to_string(n) + "; add it first");
   const State::Resting& body = state_->resting[n];
   return body.field ? body.field->grid() : body.model.grid();
-} catch (...) {
-  throw_as_error("simulation");
 }
 
 namespace {
@@ -365,7 +350,7 @@ void write_ply(AtomicFile& file, std::span<const PathPoint> points) {
 
 }  // namespace
 
-void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) try {
+void write_path(const std::filesystem::path& path, std::span<const PathPoint> points, Existing existing) {
   const std::string extension = path.extension().string();
   if (extension != ".csv" && extension != ".ply")
     throw Error(ErrorCode::usage,
@@ -376,8 +361,6 @@ void write_path(const std::filesystem::path& path, std::span<const PathPoint> po
   else
     write_ply(file, points);
   file.commit();
-} catch (...) {
-  throw_as_error("path");
 }
 
-}  // namespace standoff::experimental
+}  // namespace standoff::fly

@@ -5,24 +5,22 @@
 
 #include <atomic>
 
-#include "tests/simulation/room.h"
+#include "tests/fly/room.h"
 
-namespace standoff {
+namespace standoff::fly {
 namespace {
-
-using namespace experimental;
 
 using namespace standoff::testing;
 
 TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
   FlightOptions options;
   options.speed = 0.3;
-  options.execution.threads = 1;
-  const Flown one = fly(options, 500, 6);
-  options.execution.threads = 4;
-  const Flown four = fly(options, 500, 6);
+  options.threads = 1;
+  const Flown one = flown(options, 500, 6);
+  options.threads = 4;
+  const Flown four = flown(options, 500, 6);
   options.seed = 2;
-  const Flown other = fly(options, 500, 6);
+  const Flown other = flown(options, 500, 6);
   for (std::size_t n = 0; n < one.fliers.size(); ++n) {
     EXPECT_EQ(one.fliers[n].pose, four.fliers[n].pose);
     EXPECT_EQ(one.fliers[n].collisions, four.fliers[n].collisions);
@@ -33,16 +31,16 @@ TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
 TEST(Fly, ProgressIsToldByOneThreadAtATimeAndStops) {
   FlightOptions options;
   options.speed = 0.3;
-  options.execution.threads = 4;
+  options.threads = 4;
   std::atomic<int> inside{0}, told{0};
   options.progress = [&](const Progress&) {
     EXPECT_EQ(inside++, 0);
     --inside;
     return ++told < 3;
   };
-  EXPECT_EQ(code_of([&] { fly(options, 1'000'000, 6); }), ErrorCode::interrupted);
+  EXPECT_EQ(code_of([&] { flown(options, 1'000'000, 6); }), ErrorCode::interrupted);
   EXPECT_GE(told, 3);
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::fly

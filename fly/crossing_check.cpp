@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "simulation/crossing_check.h"
+#include "fly/crossing_check.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace standoff {
+namespace standoff::fly {
 namespace {
 
 constexpr int kRayDirections = 32;
@@ -98,4 +98,4 @@ std::vector<Vec3> outermost_points(MeshView mesh) {
   return points;
 }
 
-}  // namespace standoff
+}  // namespace standoff::fly

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/simulation/room.h"
+#include "tests/api/misuse.h"
+#include "tests/fly/room.h"
+#include "tests/support/temp_folder.h"
 
-namespace standoff {
+namespace standoff::fly {
 namespace {
-
-using namespace experimental;
 
 using namespace standoff::testing;
 
@@ -36,7 +36,7 @@ TEST(World, RefusesWhatMakesNoSense) {
     EXPECT_EQ(code_with(&FlightOptions::scatter_rad, bad), ErrorCode::usage) << bad;
   }
   EXPECT_EQ(code_with(&FlightOptions::tolerance, -1.0), ErrorCode::usage);
-  EXPECT_EQ(code_with(&FlightOptions::execution, Execution{.threads = -1}), ErrorCode::usage);
+  EXPECT_EQ(code_with(&FlightOptions::threads, -1), ErrorCode::usage);
   World world(ball(), {});
   Pose bad;
   bad.rotation[0] = nan;
@@ -75,9 +75,9 @@ TEST(World, FliesStraightWhereNothingIs) {
 TEST(World, NoSpeedIsNoMotion) {
   FlightOptions options;
   options.speed = 0;
-  const Flown flown = fly(options, 50, 3);
-  for (const Flier& it : flown.fliers) EXPECT_EQ(it.collisions + it.crossings, 0);
-  for (const PathPoint& point : flown.path) EXPECT_EQ(point.point, flown.path[point.flier * 2].point);
+  const Flown all = flown(options, 50, 3);
+  for (const Flier& it : all.fliers) EXPECT_EQ(it.collisions + it.crossings, 0);
+  for (const PathPoint& point : all.path) EXPECT_EQ(point.point, all.path[point.flier * 2].point);
 }
 
 // A ball on its way down to a wide floor.
@@ -120,12 +120,95 @@ TEST(World, TurnsBackOrReflects) {
 TEST(World, ManyFliesAtOnceCrossNothing) {
   FlightOptions options;
   options.speed = 2;
-  const Flown flown = fly(options, 4, 3000);
+  const Flown all = flown(options, 4, 3000);
   std::int64_t collisions = 0, crossings = 0;
-  for (const Flier& it : flown.fliers) collisions += it.collisions, crossings += it.crossings;
+  for (const Flier& it : all.fliers) collisions += it.collisions, crossings += it.crossings;
   EXPECT_GT(collisions, 1000);
   EXPECT_EQ(crossings, 0);
 }
 
+const CollisionModel& triangle() {
+  static const CollisionModel model(one_triangle(), {.execution = {.threads = 1}});
+  return model;
+}
+
+TEST(World, AnswersOddOptionsOrSaysWhatToDo) {
+  const auto expect = [](const std::string& name, const FlightOptions& options) {
+    expect_answer_or_error(name, [&] {
+      World world(triangle(), options);
+      world.add(triangle(), make_pose({0, 0, 1}, 0, {5, 5, 5}));
+      world.add_flier({{-3, -3, -3}, {3, 3, 3}});
+      world.run(3);
+    });
+  };
+  for (const FlightMode mode : {FlightMode::sweep, FlightMode::thesis, none_of<FlightMode>()})
+    for (const double x : kNumbers) {
+      const auto with = [&](double FlightOptions::*member) {
+        FlightOptions options;
+        options.mode = mode;
+        options.threads = 1;
+        options.on_contact = none_of<OnContact>();
+        options.*member = x;
+        return options;
+      };
+      expect(named("speed", x), with(&FlightOptions::speed));
+      expect(named("scatter", x), with(&FlightOptions::scatter_rad));
+      expect(named("tolerance", x), with(&FlightOptions::tolerance));
+      expect(named("thickness", x), with(&FlightOptions::thickness));
+      expect(named("minimum", x), with(&FlightOptions::minimum));
+      expect(named("threshold", x), with(&FlightOptions::threshold));
+      FlightOptions outside = with(&FlightOptions::threshold);
+      outside.threshold = 0;
+      outside.bounds = {{x, -1, -1}, {1, x, 1}};
+      expect(named("bounds", x), outside);
+    }
+  for (const int n : kThreads) {
+    FlightOptions options;
+    options.threads = n;
+    expect_usage(named("threads", n), [&] { World(triangle(), options); });
+  }
+}
+
+TEST(World, AnswersOddCallsOrSaysWhatToDo) {
+  FlightOptions options;
+  options.threads = 1;
+  World world(triangle(), options);
+  expect_usage("no body", [&] { world.grid(0); });
+  expect_usage("no body", [&] { world.grid(std::numeric_limits<std::size_t>::max()); });
+  expect_usage("steps", [&] { world.run(-1); });
+  expect_answer_or_error("no fliers", [&] { world.run(kMost); });
+  for (const Pose& pose : odd_poses()) expect_answer_or_error("add", [&] { world.add(triangle(), pose); });
+  for (const double x : kNumbers) expect_answer_or_error("box", [&] { world.add_flier({{0, 0, 0}, {x, x, x}}); });
+  for (const Pose& pose : odd_poses())
+    for (const double x : kNumbers)
+      expect_answer_or_error("flier", [&] { world.restore_flier(Flier{pose, {x, 0, 0}}); });
+  FlightOptions odd = options;
+  odd.speed = -1;
+  expect_usage("options", [&] { world.set_options(odd); });
+  EXPECT_EQ(world.options().speed, options.speed);
+  world.keep_fliers(std::numeric_limits<std::size_t>::max());
+  world.keep_fliers(0);
+  EXPECT_TRUE(world.fliers().empty());
+  std::vector<double> distances(1);
+  expect_usage("distances", [&] { world.wall_distances(distances); });
+  EXPECT_THROW(
+      {
+        World another(triangle(), options);
+        another.add_flier({{0, 0, 0}, {1, 1, 1}});
+        another.run(2, [](std::size_t, std::int64_t, const Pose&) { throw 5; });
+      },
+      int);
+}
+
+TEST(World, WritesOddPathsOrSaysWhatToDo) {
+  const TempFolder folder;
+  const std::vector<PathPoint> points{{-1, kMost, {kNaN, kInfinite, 0}}, {-1, 0, {}}};
+  for (const auto& path :
+       {std::filesystem::path(), std::filesystem::path("/"), folder / "a", folder / "no/a.csv", folder / "a.csv"}) {
+    expect_answer_or_error("write_path", [&] { write_path(path, points); });
+    expect_answer_or_error("write_path", [&] { write_path(path, {}, none_of<Existing>()); });
+  }
+}
+
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::fly

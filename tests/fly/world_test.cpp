@@ -2,22 +2,21 @@
 // Flies in a small labyrinth: what they pass through, what repeats, what is written.
 #include <gtest/gtest.h>
 
-#include "simulation/crossing_check.h"
-#include "standoff/experimental/simulation.h"
+#include "fly/crossing_check.h"
+#include "fly/world.h"
+#include "io/points/points.h"
 #include "tests/collision/bodies.h"
-#include "tests/simulation/room.h"
+#include "tests/fly/room.h"
 #include "tests/support/temp_folder.h"
 
-namespace standoff {
+namespace standoff::fly {
 namespace {
-
-using namespace experimental;
 
 using namespace standoff::testing;
 
-std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
+std::int64_t total(const Flown& all, std::int64_t Flier::*what) {
   std::int64_t sum = 0;
-  for (const Flier& it : flown.fliers) sum += it.*what;
+  for (const Flier& it : all.fliers) sum += it.*what;
   return sum;
 }
 
@@ -26,9 +25,9 @@ std::int64_t total(const Flown& flown, std::int64_t Flier::*what) {
 TEST(Fly, ByDefaultTheToleranceIsAutomatic) {
   FlightOptions options;
   options.speed = 0.7;
-  const Flown by_default = fly(options, 300, 5);
+  const Flown by_default = flown(options, 300, 5);
   options.tolerance = automatic_tolerance(CollisionModel(room()), CollisionModel(ball_mesh(0.3, 3)));
-  const Flown named = fly(options, 300, 5);
+  const Flown named = flown(options, 300, 5);
   ASSERT_EQ(by_default.path.size(), named.path.size());
   std::int64_t collisions = 0;
   for (std::size_t n = 0; n < named.path.size(); ++n) EXPECT_EQ(by_default.path[n].point, named.path[n].point) << n;
@@ -42,10 +41,10 @@ TEST(Fly, SweptOnesPassThroughNothingAtAnySpeed) {
       FlightOptions options;
       options.speed = speed;
       options.on_contact = what;
-      const Flown flown = fly(options, 300, 8);
-      EXPECT_EQ(total(flown, &Flier::crossings), 0) << speed;
-      EXPECT_GT(total(flown, &Flier::collisions), 0) << speed;
-      for (const Flier& it : flown.fliers) {
+      const Flown all = flown(options, 300, 8);
+      EXPECT_EQ(total(all, &Flier::crossings), 0) << speed;
+      EXPECT_GT(total(all, &Flier::collisions), 0) << speed;
+      for (const Flier& it : all.fliers) {
         const Vec3 p = it.pose.translation;
         EXPECT_TRUE(p.x > 0 && p.x < 10 && p.y > 0 && p.y < 4 && p.z > 0 && p.z < 6) << speed;
       }
@@ -57,18 +56,18 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
   options.mode = FlightMode::thesis;
   options.thickness = 0.5;
   options.speed = 0.02;
-  const Flown slow = fly(options, 1200, 8);
+  const Flown slow = flown(options, 1200, 8);
   EXPECT_EQ(total(slow, &Flier::crossings), 0);
   EXPECT_GT(total(slow, &Flier::collisions), 0);
   options.speed = 5;
-  EXPECT_GT(total(fly(options, 200, 8), &Flier::crossings), 0);
+  EXPECT_GT(total(flown(options, 200, 8), &Flier::crossings), 0);
 }
 
 // A page asks for a pose 60 times a second, and changes what it likes in between.
 TEST(Fly, RunsInPartsAndGoesOnInOtherWorlds) {
   FlightOptions options;
   options.speed = 0.3;
-  const Flown whole = fly(options, 300, 4);
+  const Flown whole = flown(options, 300, 4);
   const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
   World parts(body, options);
   parts.add(walls);
@@ -163,6 +162,19 @@ TEST(Fly, PathsAreTablesAndPolylines) {
   EXPECT_THROW(write_path(folder.path() / "p.txt", points), Error);
 }
 
+// Pictures of paths ask where each flier's begins.
+TEST(Fly, PathsAreReadFlierByFlier) {
+  const TempFolder folder;
+  const std::vector<PathPoint> points{{0, 0, {1, 2, 3}}, {0, 1, {1, 2, 4}}, {3, 0, {5, 6, 7}},
+                                      {4, 0, {8, 8, 8}}, {4, 1, {8, 8, 9}}, {4, 2, {8, 9, 9}}};
+  for (const char* name : {"path.csv", "path.ply"}) {
+    write_path(folder / name, points);
+    const std::string text = read_bytes(folder / name);
+    EXPECT_TRUE(is_path(text)) << name;
+    EXPECT_EQ(path_starts(name, text, points.size()), (std::vector<std::size_t>{0, 2, 3})) << name;
+  }
+}
+
 TEST(Crossing, AgreesWithEveryTriangle) {
   const Mesh mesh = random_soup(3, 300, 1, 0.3);
   const CrossingCheck check(mesh, {});
@@ -180,4 +192,4 @@ TEST(Crossing, AgreesWithEveryTriangle) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::fly
