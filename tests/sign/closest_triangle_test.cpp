@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closest triangles against all triangles, one by one.
-#include "sign/normal/closest_triangle.h"
+#include "sign/normal/normal_signs.h"
 
 #include <gtest/gtest.h>
 

@@ -7,12 +7,26 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "bvh/order.h"
 #include "core/tile_count.h"
-#include "sign/normal/closest_triangle.h"
 
 namespace standoff {
 namespace {
+
+// All copies of a triangle are equally near; along the curve most of them come one after the other, by index.
+std::vector<std::uint32_t> order_without_copies(MeshView mesh, ProgressMeter& progress) {
+  std::vector<std::uint32_t> order = morton_order(mesh, {}, progress);
+  const auto is_copy = [&](std::uint32_t a, std::uint32_t b) { return mesh.corners(a) == mesh.corners(b); };
+  order.erase(std::unique(order.begin(), order.end(), is_copy), order.end());
+  return order;
+}
+
+Bvh bvh_without_copies(MeshView mesh) {
+  ProgressMeter unwatched;
+  return {mesh, order_without_copies(mesh, unwatched), frame_around(mesh), unwatched};
+}
 
 // Whether both ends of each crossed edge have nearest triangles, because they are within its length of the mesh. Then
 // an edge from a sample without one crosses nothing, and crossings need not be found. The margin is far above the
@@ -38,6 +52,8 @@ std::size_t first_of(const TileBits& bits) {
 }
 
 }  // namespace
+
+ClosestTriangle::ClosestTriangle(MeshView mesh) : mesh_(mesh), bvh_(bvh_without_copies(mesh)) {}
 
 NormalSigns::NormalSigns(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
                          ProgressMeter& progress)

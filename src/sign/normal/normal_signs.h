@@ -2,27 +2,43 @@
 // The signs in an oriented mesh, open or closed: in front of its nearest part is outside, behind it is inside.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "bvh/bvh.h"
 #include "sign/flood/grid_edges.h"
-#include "sign/normal/closest_triangle.h"
 #include "sign/normal/nearest_triangles.h"
 #include "sign/normal/pseudonormals.h"
 #include "sign/oriented_mesh.h"
 #include "sign/signs.h"
+#include "standoff/mesh.h"
 
 namespace standoff {
+
+/// The triangle closest to a point, for the few points that no field has an answer for.
+class ClosestTriangle {
+ public:
+  /// Requires a valid mesh that outlives this. Takes some 50 bytes for each triangle while it is made, 30 afterwards.
+  /// Runs on the threads of the calling TBB arena.
+  explicit ClosestTriangle(MeshView mesh);
+
+  /// kNoTriangle if there is none. In double: one that is farther by some roundings of its distance may be taken for
+  /// the closest. Takes logarithmic time where few triangles are about as close; at the worst it looks at all.
+  std::uint32_t to(const Vec3& p) const { return nearest_triangle(bvh_, mesh_, p).triangle; }
+
+ private:
+  MeshView mesh_;
+  Bvh bvh_;
+};
 
 /// Samples with a nearest triangle have the side that Pseudonormals finds. Other samples take the side of those that
 /// they are connected with by grid edges that no triangle crosses, in three steps:
 /// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes, one of the connected samples
-/// looks
-///    for its closest triangle among all. This happens only in bands thinner than a spacing.
+///    looks for its closest triangle among all. This happens only in bands thinner than a spacing.
 /// 2. From tile to tile, by a breadth-first search from all these tiles at once. A tile that has neither nearest
-/// triangles
-///    nor crossed edges has one side: the side of most samples next to its faces that had a side before the step;
-///    outside if inside has no majority.
+///    triangles nor crossed edges has one side: the side of most samples next to its faces that had a side before the
+///    step; outside if inside has no majority.
 /// 3. In regions of tiles that no side came to, one tile looks for the closest triangle of its first sample.
 /// In a closed mesh that does not intersect itself all samples of a region are on one side, so there all sides are
 /// exact. Samples on the surface that no side comes to are outside.
