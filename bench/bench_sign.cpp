@@ -98,11 +98,9 @@ int main(int argc, char** argv) {
   CLI::App app("what a sign adds to a field", "bench_sign");
   const bench::WorkloadOptions options(app);
   Settings settings;
-  const std::map<std::string, SignMethod> methods{{"winding", SignMethod::winding},
-                                                  {"parity", SignMethod::parity},
-                                                  {"normal", SignMethod::normal},
-                                                  {"flood", SignMethod::flood},
-                                                  {"auto", SignMethod::automatic}};
+  std::map<std::string, SignMethod> methods;
+  for (const SignMethodInfo& info : kSignMethods)
+    if (info.method != SignMethod::none && info.method != SignMethod::shell) methods[info.name] = info.method;
   app.add_option("--sign", settings.method, "method")->transform(CLI::CheckedTransformer(methods));
   app.add_option("--remove", settings.remove, "remove this share of the triangles, at random");
   app.add_option("--cut", settings.cut, "remove the triangles of this share of the longest side");

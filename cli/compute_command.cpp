@@ -30,6 +30,15 @@
 namespace standoff::cli {
 namespace {
 
+// "tiles (default): exact; thesis: ..".
+std::string methods_text() {
+  std::string text;
+  for (const MethodInfo& info : kComputeMethods)
+    text += (text.empty() ? "" : "; ") + std::string(info.name) +
+            (info.method == ComputeOptions{}.method ? " (default)" : "") + ": " + info.what;
+  return text;
+}
+
 class Beside {
  public:
   /// Takes names with commas between them. Errors: usage.
@@ -309,8 +318,8 @@ void ComputeCommand::add_to(CLI::App& verb) {
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
   add(
-      "--method", "NAME", "tiles: exact (default); thesis: Algorithm 1 of 2008",
-      [this](S o, S t) { options.method = parse_method(o, t); }, kThesisGroup);
+      "--method", "NAME", methods_text().c_str(), [this](S o, S t) { options.method = parse_method(o, t); },
+      kThesisGroup);
   add(
       "--skip", "RULE",
       "leave triangles out first: none, neighbour[:FRACTION] or\nexact (default: none; thesis: neighbour:1)",

@@ -47,9 +47,12 @@ void CrossingsCommand::add_to(CLI::App& verb) {
   output.add_to(verb, "FILE", "the crossings: .npz or .csv (default: the mesh's name with .npz, here)");
   grid.add_without_thickness_to(verb);
   mesh.add_scale_to(verb);
-  add_sign_to(verb, {"none", "auto", "winding", "parity", "normal", "flood"},
-              "orient the triangles, and leave copies and inner walls out, as\ncompute does for this sign: auto, "
-              "winding or normal; parity and\nflood take all as they are, as none does (default)",
+  const auto oriented = [](const SignMethodInfo& info) { return info.by_orientation; };
+  const auto as_they_are = [](const SignMethodInfo& info) { return takes_no_shell(info) && !info.by_orientation; };
+  add_sign_to(verb, takes_no_shell,
+              "orient the triangles, and leave copies and inner walls out, as compute does for this sign: " +
+                  sign_names(oriented, options.sign.method) +
+                  "; take all as they are: " + sign_names(as_they_are, options.sign.method),
               options.sign);
   verb.add_flag("--outer", options.sign.outer, "leave out triangles inside (sign winding or auto, closed meshes)")
       ->group("Sign");
@@ -152,10 +155,8 @@ void VoxelsCommand::add_to(CLI::App& verb) {
   surface_flag->excludes(solid_flag);
   grid.add_without_thickness_to(verb);
   mesh.add_scale_to(verb);
-  add_sign_to(verb, {"auto", "winding", "parity", "flood"},
-              "what is inside. auto (default): what fits the mesh; winding,\nparity: by crossings; flood: what a flood "
-              "from outside does not\nreach",
-              sign);
+  const auto at_samples = [](const SignMethodInfo& info) { return info.at_samples; };
+  add_sign_to(verb, at_samples, "what is inside. " + sign_texts(at_samples, sign.method), sign);
   add_threads(verb, "Work", execution.threads);
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }

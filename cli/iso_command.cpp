@@ -146,8 +146,7 @@ void IsoCommand::add_to(CLI::App& verb) {
   grid.add_without_thickness_to(verb);
   input.add_scale_to(verb);
   add_sign(verb, sign, shell,
-           {"how inside is decided: auto (default), winding, parity,\nnormal, flood, shell:T or none, as in standoff "
-            "compute",
+           {"how inside is decided, as in standoff compute: " + sign_names(takes_all, sign.method),
             "take the surface of the union of all parts (docs/outer.md)"});
   add_threads(verb, "Work", options.execution.threads);
   field_argument.add_to(verb, "field, surface and their making");

@@ -15,10 +15,21 @@
 
 namespace standoff::cli {
 
+namespace {
+
+constexpr std::size_t kHelpColumns = 60;
+
+}  // namespace
+
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device) {
-  return add_parsed(verb,
-                    {"--device", "NAME", "auto (default), cpu, cuda, cuda:N or emulated; see standoff\ndevices", group},
-                    [&](S o, S t) { backend = parse_backend(o, t, device); });
+  std::vector<std::string> names;
+  for (const BackendInfo& info : kBackends) {
+    names.push_back(std::string(info.name) + (info.backend == Backend{} ? " (default)" : ""));
+    if (info.has_devices) names.push_back(std::string(info.name) + ":N");
+  }
+  return add_parsed(
+      verb, {"--device", "NAME", wrapped(joined(names) + "; see standoff devices", kHelpColumns).c_str(), group},
+      [&](S o, S t) { backend = parse_backend(o, t, device); });
 }
 
 void add_uncompressed(CLI::App& verb, bool& uncompressed) {
@@ -159,30 +170,61 @@ void add_details(CLI::App& verb, SignOptions& options) {
 
 }  // namespace
 
+namespace {
+
+// "shell:T", "auto (default)".
+std::string shown_name(const SignMethodInfo& info, SignMethod by_default) {
+  return std::string(info.name) + (info.method == SignMethod::shell ? ":T" : "") +
+         (info.method == by_default ? " (default)" : "");
+}
+
+}  // namespace
+
+std::string sign_names(TakesSign takes, SignMethod by_default) {
+  std::vector<std::string> names;
+  for (const SignMethodInfo& info : kSignMethods)
+    if (takes(info)) names.push_back(shown_name(info, by_default));
+  return joined(names);
+}
+
+std::string sign_texts(TakesSign takes, SignMethod by_default) {
+  std::string text;
+  std::string_view last;
+  for (const SignMethodInfo& info : kSignMethods) {
+    if (!takes(info)) continue;
+    const bool same = !last.empty() && last == info.inside;
+    if (!text.empty() && !same && !last.empty()) text.append(": ").append(last);
+    if (!text.empty()) text += same ? ", " : "; ";
+    text += shown_name(info, by_default);
+    last = info.inside;
+  }
+  return last.empty() ? text : text.append(": ").append(last);
+}
+
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help) {
-  add_parsed(verb, {"--sign", "METHOD", help.sign, kSignGroup}, [&](S o, S t) {
+  add_parsed(verb, {"--sign", "METHOD", wrapped(help.sign, kHelpColumns).c_str(), kSignGroup}, [&](S o, S t) {
     const SignChoice choice = parse_sign(o, t);
     options.method = choice.method;
     shell = choice.shell;
   });
   add_details(verb, options);
-  verb.add_flag("--outer", options.outer, help.outer)->group(kSignGroup);
+  verb.add_flag("--outer", options.outer, wrapped(help.outer, kHelpColumns))->group(kSignGroup);
 }
 
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell) {
-  add_sign(
-      verb, options, shell,
-      {"make values inside negative. auto: what fits the mesh, or\nnothing if it has no inside; winding, parity: by "
-       "crossings;\nnormal: behind the nearest triangle, for terrain;\nflood: what a flood from outside does not "
-       "reach;\nshell:T: the surface as a solid of thickness T (0.5 or 3s);\nnone (default). `standoff info MESH` "
-       "says what fits",
-       "leave out triangles inside: distances are to the union of\nall parts (sign winding or auto, closed "
-       "meshes)"});
+  add_sign(verb, options, shell,
+           {"make values inside negative. " + sign_texts(takes_all, SignOptions{}.method) +
+                ". `standoff info MESH` says what fits. T is 0.5, or 3s in samples",
+            "leave out triangles inside: distances are to the union of all parts (sign winding or auto, closed "
+            "meshes)"});
 }
 
-void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options) {
-  add_parsed(verb, {"--sign", "METHOD", help, kSignGroup}, [&options, methods](S o, S t) {
-    parse_choice(o, t, methods);
+void add_sign_to(CLI::App& verb, TakesSign takes, const std::string& help, SignOptions& options) {
+  add_parsed(verb, {"--sign", "METHOD", wrapped(help, kHelpColumns).c_str(), kSignGroup}, [&options, takes](S o, S t) {
+    std::vector<std::string> names;
+    for (const SignMethodInfo& info : kSignMethods)
+      if (takes(info)) names.emplace_back(info.name);
+    parse_choice(o, t, names);
     options.method = parse_sign(o, t).method;
   });
   add_details(verb, options);

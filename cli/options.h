@@ -97,10 +97,20 @@ std::string grid_line(const GridChoice& choice);
 inline constexpr std::array kSidecarKinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
                                           SidecarKind::gradient};
 
-/// What the help says.
+/// Says of a method whether a verb takes it.
+using TakesSign = bool (*)(const SignMethodInfo&);
+inline bool takes_all(const SignMethodInfo&) { return true; }
+inline bool takes_no_shell(const SignMethodInfo& info) { return info.method != SignMethod::shell; }
+
+/// "auto (default), winding, parity or none": what `takes` takes.
+std::string sign_names(TakesSign takes, SignMethod by_default);
+/// "auto (default): what fits the mesh; winding, parity: by crossings; none": the same with what each is.
+std::string sign_texts(TakesSign takes, SignMethod by_default);
+
+/// What the help says. Lines are broken here.
 struct SignHelp {
-  const char* sign;
-  const char* outer;
+  std::string sign;
+  std::string outer;
 };
 
 /// Adds --sign, with all methods, and what goes with it. The thickness of --sign shell goes to `shell`: it may be in
@@ -110,8 +120,8 @@ void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const Sign
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
 
 /// Adds --sign, --rule, --invert, --as-oriented and --strict for verbs that ask about samples or triangles and not for
-/// distances. `methods`: what --sign takes, of auto, winding, parity, normal, flood and none.
-void add_sign_to(CLI::App& verb, const std::vector<std::string>& methods, const char* help, SignOptions& options);
+/// distances.
+void add_sign_to(CLI::App& verb, TakesSign takes, const std::string& help, SignOptions& options);
 
 /// Whether any of these options stands on the command line of a verb, with whatever value.
 bool is_sign_given(const CLI::App& verb);

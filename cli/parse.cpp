@@ -9,7 +9,6 @@
 
 #include "cli/text.h"
 #include "standoff/error.h"
-#include "standoff/testing/emulation.h"
 
 namespace standoff::cli {
 namespace {
@@ -185,16 +184,25 @@ SkipRule parse_skip(const std::string& option, const std::string& text) {
   return {kinds[kind], *fraction};
 }
 
+namespace {
+
+// The row that `text` names, of a table of what the library has.
+template <class Info, std::size_t kCount>
+const Info& parse_row(const std::string& option, const std::string& text, const Info (&rows)[kCount]) {
+  std::vector<std::string> names;
+  for (const Info& info : rows) names.emplace_back(info.name);
+  return rows[parse_choice(option, text, names)];
+}
+
+}  // namespace
+
 Method parse_method(const std::string& option, const std::string& text) {
-  return parse_choice(option, text, {"tiles", "thesis"}) == 0 ? Method::tiles : Method::thesis;
+  return parse_row(option, text, kComputeMethods).method;
 }
 
 SignChoice parse_sign(const std::string& option, const std::string& text) {
-  constexpr SignMethod methods[] = {SignMethod::none,   SignMethod::automatic, SignMethod::winding, SignMethod::parity,
-                                    SignMethod::normal, SignMethod::flood,     SignMethod::shell};
   const auto colon = text.find(':');
-  const auto method = methods[parse_choice(option, text.substr(0, colon),
-                                           {"none", "auto", "winding", "parity", "normal", "flood", "shell"})];
+  const SignMethod method = parse_row(option, text.substr(0, colon), kSignMethods).method;
   const bool has_value = colon != std::string::npos;
   if (method != SignMethod::shell) {
     if (has_value) reject(option, text, "only shell takes a value, its thickness");
@@ -212,16 +220,14 @@ WindingRule parse_winding_rule(const std::string& option, const std::string& tex
 }
 
 Backend parse_backend(const std::string& option, const std::string& text, int& device) {
-  constexpr Backend backends[] = {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated};
   const auto colon = text.find(':');
-  const std::string name = text.substr(0, colon);
-  const Backend backend = backends[parse_choice(option, name, {"auto", "cpu", "cuda", "emulated"})];
-  if (colon == std::string::npos) return backend;
-  if (backend != Backend::cuda) reject(option, text, "only cuda takes a number, as in cuda:1");
+  const BackendInfo& info = parse_row(option, text.substr(0, colon), kBackends);
+  if (colon == std::string::npos) return info.backend;
+  if (!info.has_devices) reject(option, text, "only a GPU takes a number, as in cuda:1");
   const auto number = whole_text<int>(std::string_view(text).substr(colon + 1));
   if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `standoff devices`");
   device = *number;
-  return backend;
+  return info.backend;
 }
 
 double parse_unit(const std::string& option, const std::string& text) {

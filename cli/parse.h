@@ -58,7 +58,7 @@ struct SignChoice {
   SignMethod method = SignMethod::none;
   Thickness shell{0};
 };
-/// none, winding, parity, normal, flood or shell:T, where T is world units or samples, as for parse_thickness.
+/// A name of kSignMethods; shell:T, where T is world units or samples, as for parse_thickness.
 SignChoice parse_sign(const std::string& option, const std::string& text);
 WindingRule parse_winding_rule(const std::string& option, const std::string& text);
 /// auto, cpu, cuda, cuda:N or emulated; N goes to `device`.

@@ -66,6 +66,24 @@ std::string seconds_text(double seconds) {
 
 std::string hash_text(std::uint64_t hash) { return formatted("%016llx", static_cast<unsigned long long>(hash)); }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t n = 0; n < names.size(); ++n)
+    text += (n == 0 ? "" : n + 1 == names.size() ? " or " : ", ") + names[n];
+  return text;
+}
+
+std::string wrapped(std::string text, std::size_t columns) {
+  std::size_t begin = 0, blank = std::string::npos;
+  for (std::size_t n = 0; n < text.size(); ++n) {
+    if (text[n] == ' ') blank = n;
+    if (n - begin < columns || blank == std::string::npos || blank < begin) continue;
+    text[blank] = '\n';
+    begin = blank + 1;
+  }
+  return text;
+}
+
 std::string one_line(std::string text) {
   for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);

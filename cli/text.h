@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "standoff/vec.h"
 
@@ -36,6 +37,11 @@ inline double seconds_since(std::chrono::steady_clock::time_point then) {
 }
 /// Sixteen hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
+
+/// "a, b or c".
+std::string joined(const std::vector<std::string>& names);
+/// The text with line ends in place of blanks, so that no line is longer than `columns`, as far as its words allow.
+std::string wrapped(std::string text, std::size_t columns);
 
 /// Line ends become blanks and other control bytes '?': whatever a file is called or holds, a message stays one line,
 /// whole, and moves no cursor.

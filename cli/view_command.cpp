@@ -84,9 +84,10 @@ void ViewCommand::add_to(CLI::App& verb) {
   verb.add_flag("--no-field", no_field, "compute no field for a mesh that comes without one")->group("Page");
   compute_options.sign.method = SignMethod::automatic;
   grid.add_to(verb);
-  add_sign_to(verb, {"auto", "winding", "parity", "normal", "flood", "none"},
-              "how inside is decided: auto (default), winding, parity,\nnormal, flood or none, as in standoff compute",
-              compute_options.sign);
+  add_sign_to(
+      verb, takes_no_shell,
+      "how inside is decided, as in standoff compute: " + sign_names(takes_no_shell, compute_options.sign.method),
+      compute_options.sign);
   verb.add_flag("--nearest", compute_options.nearest_triangle, "keep which triangle is nearest to each sample")
       ->group("Sign");
   add_device(verb, "Work", compute_options.execution.backend, compute_options.execution.device);

@@ -23,7 +23,6 @@ using view::Request;
 constexpr const char* kJsonType = "application/json";
 constexpr const char* kBytesType = "application/octet-stream";
 constexpr std::int64_t kMostSamplesShown = 1024;  // along the longest side: a full field of that is 4 GiB
-const std::vector<std::string> kSigns = {"auto", "none", "winding", "parity", "normal", "flood"};
 
 const std::string& needed(const Request& request, const char* name) {
   if (const std::string* value = request.parameter(name)) return *value;
@@ -35,16 +34,19 @@ std::string thickness_text(const LiveSettings& settings) {
   return exact_number(settings.thickness) + (settings.thickness_in_samples ? "s" : "");
 }
 
-std::string sign_text(const LiveSettings& settings) {
-  if (settings.sign.method == SignMethod::automatic) return "auto";
-  const std::string name = name_of(settings.sign.method);
-  return name.empty() ? "none" : name;
+std::string sign_text(const LiveSettings& settings) { return find_info(settings.sign.method)->name; }
+
+// What a page offers.
+Json signs() {
+  Json names = Json::array();
+  for (const SignMethodInfo& info : kSignMethods)
+    if (info.method != SignMethod::shell) names.push_back(info.name);
+  return names;
 }
 
 std::string device_text(const Execution& execution) {
-  if (execution.backend == Backend::cpu) return "cpu";
-  if (execution.backend == Backend::cuda) return "cuda:" + std::to_string(execution.device);
-  return "auto";
+  const BackendInfo& info = *find_info(execution.backend);
+  return info.has_devices ? std::string(info.name) + ":" + std::to_string(execution.device) : info.name;
 }
 
 Json devices() {
@@ -127,7 +129,7 @@ std::string ViewServer::state() const {
                     {"most_resolution", kMostSamplesShown},
                     {"thickness", thickness_text(settings)},
                     {"sign", sign_text(settings)},
-                    {"signs", kSigns},
+                    {"signs", signs()},
                     {"device", device_text(settings.execution)},
                     {"devices", devices()}};
   }

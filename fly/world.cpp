@@ -23,6 +23,7 @@
 #include "fly/world.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
+#include "standoff/execution.h"
 #include "standoff/field.h"
 #include "standoff/points.h"
 #include "standoff/thesis.h"

@@ -24,6 +24,26 @@ enum class Method {
   thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md); not exact where its skip rule drops a triangle
 };
 
+/// What is said of a method.
+struct MethodInfo {
+  Method method;
+  const char* name;  ///< in options and reports
+  const char* what;  ///< for help
+};
+
+/// All methods. Checks, messages, help and reports ask this table.
+inline constexpr MethodInfo kComputeMethods[] = {
+    {Method::tiles, "tiles", "exact"},
+    {Method::thesis, "thesis", "Algorithm 1 of 2008"},
+};
+
+/// The row of a method; nullptr for numbers that are none.
+constexpr const MethodInfo* find_info(Method method) {
+  for (const MethodInfo& info : kComputeMethods)
+    if (info.method == method) return &info;
+  return nullptr;
+}
+
 /// A rule that decides which triangles are left out before any distance is computed (docs/skip.md).
 struct SkipRule {
   enum class Kind {

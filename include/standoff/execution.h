@@ -11,6 +11,34 @@ enum class Backend {
   cuda,  ///< an NVIDIA GPU
 };
 
+/// What is said of a backend.
+struct BackendInfo {
+  Backend backend;
+  const char* name;          ///< in options and reports
+  bool has_devices = false;  ///< that are counted from 0: "cuda:1"
+};
+
+/// All backends. Checks, messages, help and reports ask this table.
+inline constexpr BackendInfo kBackends[] = {
+    {Backend::automatic, "auto"},
+    {Backend::cpu, "cpu"},
+    {Backend::cuda, "cuda", true},
+    {Backend{1000}, "emulated"},  // testing::kEmulated
+};
+
+/// The row of a backend; nullptr for numbers that are none.
+constexpr const BackendInfo* find_info(Backend backend) {
+  for (const BackendInfo& info : kBackends)
+    if (info.backend == backend) return &info;
+  return nullptr;
+}
+
+/// The name of a backend.
+constexpr const char* name_of(Backend backend) {
+  const BackendInfo* const info = find_info(backend);
+  return info ? info->name : "";
+}
+
 /// The instruction set of the CPU's kernels: of compute() by the method `tiles`, of building a model's fields, and of
 /// batches of collision queries. Queries without an Execution take the best set. verify(), closest_points(),
 /// interpolation and Algorithm 1 have no kernels to choose. The bits of a result do not depend on the set.

@@ -18,25 +18,58 @@ enum class SignMethod {
   automatic,  ///< by the diagnosis of the mesh; ComputeReport says which method and why
 };
 
-/// The name of a method in options, reports and the provenance of fields; empty for `none`.
+/// What is said of a method, and where it may be used.
+struct SignMethodInfo {
+  SignMethod method;
+  const char* name;             ///< in options, reports and the provenance of fields
+  const char* inside;           ///< what it takes for inside: "by crossings"
+  bool at_samples = false;      ///< decides samples without their distances, as occupancy() asks
+  bool at_points = false;       ///< decides points without a grid, as MeshQuery asks
+  bool by_orientation = false;  ///< looks at the orientation of triangles: SignOptions::as_oriented may be given
+};
+
+/// All methods. Checks, messages, help and reports ask this table.
+inline constexpr SignMethodInfo kSignMethods[] = {
+    {.method = SignMethod::automatic,
+     .name = "auto",
+     .inside = "what fits the mesh, or nothing if it has no inside",
+     .at_samples = true,
+     .at_points = true,
+     .by_orientation = true},
+    {.method = SignMethod::winding,
+     .name = "winding",
+     .inside = "by crossings",
+     .at_samples = true,
+     .at_points = true,
+     .by_orientation = true},
+    {.method = SignMethod::parity, .name = "parity", .inside = "by crossings", .at_samples = true, .at_points = true},
+    {.method = SignMethod::normal,
+     .name = "normal",
+     .inside = "behind the nearest triangle, for terrain",
+     .at_points = true,
+     .by_orientation = true},
+    {.method = SignMethod::flood,
+     .name = "flood",
+     .inside = "what a flood from outside does not reach",
+     .at_samples = true},
+    {.method = SignMethod::shell,
+     .name = "shell",
+     .inside = "the surface as a solid of thickness T",
+     .at_points = true},
+    {.method = SignMethod::none, .name = "none", .inside = "", .at_points = true},
+};
+
+/// The row of a method; nullptr for numbers that are none.
+constexpr const SignMethodInfo* find_info(SignMethod method) {
+  for (const SignMethodInfo& info : kSignMethods)
+    if (info.method == method) return &info;
+  return nullptr;
+}
+
+/// The name of a method; empty for `none`.
 constexpr const char* name_of(SignMethod method) {
-  switch (method) {
-    case SignMethod::none:
-      return "";
-    case SignMethod::winding:
-      return "winding";
-    case SignMethod::parity:
-      return "parity";
-    case SignMethod::normal:
-      return "normal";
-    case SignMethod::flood:
-      return "flood";
-    case SignMethod::shell:
-      return "shell";
-    case SignMethod::automatic:
-      return "auto";
-  }
-  return "";
+  const SignMethodInfo* const info = find_info(method);
+  return info && method != SignMethod::none ? info->name : "";
 }
 
 /// Which winding numbers are inside, for SignMethod::winding. For open meshes, `positive` is above 1/2 and `nonzero` is

@@ -5,10 +5,7 @@
 
 namespace standoff::python {
 
-Method method_of(const std::string& name) {
-  constexpr const char* kMethods[] = {"tiles", "thesis"};
-  return static_cast<Method>(choice_of("method", name, kMethods));
-}
+Method method_of(const std::string& name) { return row_of("method", name, kComputeMethods).method; }
 
 nb::dict dict_of(const ComputeReport& r, double seconds) {
   nb::dict d;

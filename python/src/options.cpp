@@ -5,7 +5,6 @@
 #include <span>
 
 #include "standoff/error.h"
-#include "standoff/testing/emulation.h"
 
 namespace standoff::python {
 namespace {
@@ -40,18 +39,14 @@ Execution execution_of(int threads, const std::string& device) {
       throw Error(ErrorCode::usage, "device '" + device + "': after 'cuda:' give the GPU's number, from 0");
     name = "cuda";
   }
-  constexpr const char* kNames[] = {"auto", "cpu", "cuda", "emulated"};
-  constexpr Backend kBackends[] = {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated};
-  execution.backend = kBackends[choice_of("device", name, kNames)];
+  execution.backend = row_of("device", name, kBackends).backend;
   return execution;
 }
 
 SignOptions sign_of(const nb::handle& sign) {
-  constexpr const char* kMethods[] = {"none", "winding", "parity", "normal", "flood", "shell", "auto"};
   constexpr const char* kRules[] = {"positive", "nonzero", "odd"};
   SignOptions options;
-  options.method =
-      static_cast<SignMethod>(choice_of("sign", value_of<std::string>(sign, "method", "a name"), kMethods));
+  options.method = row_of("sign", value_of<std::string>(sign, "method", "a name"), kSignMethods).method;
   options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule", "a name"), kRules));
   options.invert = value_of<bool>(sign, "invert", "True or False");
   options.strict = value_of<bool>(sign, "strict", "True or False");

@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common.h"
 #include "standoff/execution.h"
@@ -34,5 +35,12 @@ nb::dict sign_dict(const SignReport& report);
 
 /// The entry of `names` that is `name`. Errors: usage.
 std::size_t choice_of(const char* what, const std::string& name, std::span<const char* const> names);
+/// The row that a name names, of a table of what the library has.
+template <class Info, std::size_t kCount>
+const Info& row_of(const char* what, const std::string& name, const Info (&rows)[kCount]) {
+  std::vector<const char*> names;
+  for (const Info& info : rows) names.push_back(info.name);
+  return rows[choice_of(what, name, names)];
+}
 
 }  // namespace standoff::python

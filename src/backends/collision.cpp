@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "backends/no_emulation.h"
+#include "backends/missing.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
@@ -12,10 +12,10 @@ namespace standoff::collision {
 namespace {
 
 constexpr std::array kCollisionRows{
-    DeviceRow{Backend::cuda, "cuda", cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
+    DeviceRow{Backend::cuda, cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
 #ifdef STANDOFF_HAVE_EMULATION
-    DeviceRow{testing::kEmulated, "emulated", [] { return true; },
-              [](int) { return std::string("emulated on the CPU"); }, emulated::collide, emulated::sweep},
+    DeviceRow{testing::kEmulated, [] { return true; }, [](int) { return std::string("emulated on the CPU"); },
+              emulated::collide, emulated::sweep},
 #endif
 };
 
@@ -28,9 +28,8 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
   const bool automatic = backend == Backend::automatic;
   if (automatic && count < kSmallBatch) return nullptr;
   for (const DeviceRow& row : kCollisionRows)
-    if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
-  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == testing::kEmulated) throw_no_emulation("batch");
+    if (row.backend == (automatic ? kAutomaticGpu : backend) && row.available()) return &row;
+  throw_if_missing(backend, "batch");
   return nullptr;
 }
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "backends/cuda/fields.h"
-#include "backends/no_emulation.h"
+#include "backends/missing.h"
 #include "field/backend.h"
 #include "field/cpu/tiles.h"
 #include "field/skip.h"
@@ -22,19 +22,16 @@ constexpr auto kAlways = [] { return true; };
 constexpr auto kGpuName = [](Simd, int device) { return cuda::device_name(device); };
 
 constexpr std::array kFieldRows{
-    BackendRow{Backend::cuda, Method::tiles, "cuda", "tiles", cuda::available, kGpuName, cuda::run_tiles,
-               cuda::scratch_bytes},
-    BackendRow{Backend::cuda, Method::thesis, "cuda", "thesis", cuda::available, kGpuName, cuda::run_thesis,
-               cuda::scratch_bytes},
-    BackendRow{Backend::cpu, Method::tiles, "cpu", "tiles", kAlways,
-               [](Simd simd, int) { return cpu::tiles_device(simd); }, cpu::run_tiles, cpu::tiles_scratch_bytes,
-               cpu::tiles_in_layers},
-    BackendRow{Backend::cpu, Method::thesis, "cpu", "thesis", kAlways,
-               [](Simd simd, int) { return cpu::thesis_device(simd); }, cpu::run_thesis, cpu::thesis_scratch_bytes},
+    BackendRow{Backend::cuda, Method::tiles, cuda::available, kGpuName, cuda::run_tiles, cuda::scratch_bytes},
+    BackendRow{Backend::cuda, Method::thesis, cuda::available, kGpuName, cuda::run_thesis, cuda::scratch_bytes},
+    BackendRow{Backend::cpu, Method::tiles, kAlways, [](Simd simd, int) { return cpu::tiles_device(simd); },
+               cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_layers},
+    BackendRow{Backend::cpu, Method::thesis, kAlways, [](Simd simd, int) { return cpu::thesis_device(simd); },
+               cpu::run_thesis, cpu::thesis_scratch_bytes},
 #ifdef STANDOFF_HAVE_EMULATION
-    BackendRow{testing::kEmulated, Method::tiles, "emulated", "tiles", kAlways, kEmulatedDevice, emulated::run_tiles,
+    BackendRow{testing::kEmulated, Method::tiles, kAlways, kEmulatedDevice, emulated::run_tiles,
                emulated::scratch_bytes},
-    BackendRow{testing::kEmulated, Method::thesis, "emulated", "thesis", kAlways, kEmulatedDevice, emulated::run_thesis,
+    BackendRow{testing::kEmulated, Method::thesis, kAlways, kEmulatedDevice, emulated::run_thesis,
                emulated::scratch_bytes},
 #endif
 };
@@ -49,8 +46,7 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   const Backend wanted = backend == Backend::automatic && is_small ? Backend::cpu : backend;
   for (const BackendRow& row : kFieldRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
-  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == testing::kEmulated) throw_no_emulation("compute");
+  throw_if_missing(backend, "compute");
   // The CPU has a row for every method, and options are checked before.
   throw Error(ErrorCode::internal, "compute: no row for this method; this is a bug in standoff, please report it");
 }
@@ -96,9 +92,8 @@ const PointDevice* find_point_device(Backend backend, std::size_t points) {
   const bool automatic = backend == Backend::automatic;
   if (automatic && points < kLeastForDevice) return nullptr;
   for (const PointDevice& row : kPointRows)
-    if (row.backend == (automatic ? Backend::cuda : backend) && row.available()) return &row;
-  if (backend == Backend::cuda) throw Error(ErrorCode::device, cuda::why_not_available());
-  if (backend == testing::kEmulated) throw_no_emulation("points");
+    if (row.backend == (automatic ? kAutomaticGpu : backend) && row.available()) return &row;
+  throw_if_missing(backend, "points");
   return nullptr;
 }
 

@@ -80,8 +80,8 @@ void check(const FieldRequest& request, const OnStream& on) {
 ComputeReport report_of(const FieldRequest& request, const Outcome& outcome, const OnStream& on) {
   const BackendRow& row = backend_of(on, request.method);
   ComputeReport report;
-  report.method = row.method_name;
-  report.backend = row.backend_name;
+  report.method = find_info(row.method)->name;
+  report.backend = name_of(row.backend);
   report.device = row.device({}, on.device);
   report.triangles = static_cast<std::int64_t>(request.mesh.triangles.size());
   report.samples = request.grid.sample_count();

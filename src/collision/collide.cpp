@@ -291,7 +291,7 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "collide");
   const Backend backend = certified ? Backend::cpu : execution.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
-  BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
+  BatchReport done{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
   auto results = row ? collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, execution, done)
                      : collision::for_each<CollisionResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
                          return collide_checked(a, pose_a, b, poses_b[n], options, kernels);

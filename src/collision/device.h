@@ -68,7 +68,6 @@ struct SweepJob {
 /// A row of the table of devices (src/backends/collision.cpp).
 struct DeviceRow {
   Backend backend;
-  const char* name;
   bool (*available)();
   std::string (*device_name)(int device);
   void (*collide)(const CollideJob&);

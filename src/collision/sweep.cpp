@@ -297,7 +297,7 @@ std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, 
   validate(pose_a);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "sweep");
   const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
-  BatchReport done{row ? row->name : "cpu", row ? row->device_name(execution.device) : ""};
+  BatchReport done{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
   auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, done)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
                          return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance, kernels);

@@ -10,7 +10,6 @@
 #include "standoff/error.h"
 #include "standoff/grid.h"
 #include "standoff/pose.h"
-#include "standoff/testing/emulation.h"
 #include "standoff/version.h"
 
 namespace standoff {
@@ -229,8 +228,7 @@ void validate(const char* where, const Execution& execution, Runs runs) {
     fail("there is no device " + std::to_string(execution.device) + "; devices are counted from 0");
   // A caller may have cast any number to an enumeration.
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
-  if (!one_of(execution.backend, Backend::cuda) && execution.backend != testing::kEmulated)
-    fail("there is no such backend; take one of enum Backend");
+  if (!find_info(execution.backend)) fail("there is no such backend; take one of enum Backend");
   if (!one_of(execution.simd, Simd::avx512)) fail("there is no such instruction set; take one of enum Simd");
   if (runs == Runs::on_the_cpu && execution.backend != Backend::automatic && execution.backend != Backend::cpu)
     fail("this runs on the CPU only; take Backend::automatic or Backend::cpu");

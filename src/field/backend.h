@@ -115,8 +115,6 @@ class LayerGather {
 struct BackendRow {
   Backend backend;
   Method method;
-  const char* backend_name;
-  const char* method_name;
   bool (*available)();
   std::string (*device)(Simd requested, int device);  ///< the value of ComputeReport::device
   Counts (*run)(const Job&, Sink&);

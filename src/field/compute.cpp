@@ -68,8 +68,8 @@ void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint
   report_.skipped = plan_.triangles - sign_plan_.report.internal - triangles;
   report_.samples_examined = counts.samples_examined;
   report_.samples_band = counts.samples_band;
-  report_.method = plan_.row->method_name;
-  report_.backend = plan_.row->backend_name;
+  report_.method = find_info(plan_.row->method)->name;
+  report_.backend = name_of(plan_.row->backend);
   report_.sign = sign_plan_.report;
   report_.device = plan_.row->device(options_.execution.simd, options_.execution.device);
   report_.threads = plan_.threads;

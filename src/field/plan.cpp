@@ -15,6 +15,7 @@
 #include "field/prepare.h"
 #include "field/skip.h"
 #include "sign/diagnosis/closed.h"
+#include "sign/methods.h"
 #include "sign/plan.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/sign_field.h"
@@ -33,7 +34,7 @@ void validate(double thickness, const ComputeOptions& options) {
     fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
   // A caller may have cast any number to an enumeration.
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
-  if (!one_of(options.method, Method::thesis) || !one_of(options.skip.kind, SkipRule::Kind::exact))
+  if (!find_info(options.method) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
   validate(options.sign);
 }
@@ -64,7 +65,7 @@ double reach(const Grid& grid, double thickness, const SignOptions& sign) {
 
 }  // namespace
 
-bool is_decided_in_slabs(SignMethod method) { return method != SignMethod::flood && method != SignMethod::normal; }
+bool is_decided_in_slabs(SignMethod method) { return steps_of(method).in_slabs; }
 
 Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
                std::int64_t slab_samples) {
@@ -78,7 +79,7 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           reach(grid, thickness, options.sign),
           thickness,
           thread_count(options.execution.threads),
-          options.nearest_triangle || options.sign.method == SignMethod::normal,
+          options.nearest_triangle || steps_of(options.sign.method).needs_nearest,
           options.sign.method != SignMethod::none,
           is_dense,
           options.bytes_beside,

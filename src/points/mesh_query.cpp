@@ -21,6 +21,7 @@
 #include "sign/outer/outer.h"
 #include "sign/plan.h"
 #include "standoff/error.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 namespace {
@@ -28,9 +29,9 @@ namespace {
 void check(MeshView mesh, const MeshQueryOptions& options) {
   validate("points", options.execution, Runs::on_the_cpu);
   validate(options.sign);
-  if (options.sign.method == SignMethod::flood)
-    throw Error(ErrorCode::usage,
-                "points: the sign method flood needs a grid; compute a field, or take another sign method");
+  if (!find_info(options.sign.method)->at_points)
+    throw Error(ErrorCode::usage, std::string("points: the sign method ") + name_of(options.sign.method) +
+                                      " needs a grid; compute a field, or take another sign method");
   validate(mesh);
   const Box box = bounds(mesh);
   if (!(std::max(max_norm(box.min), max_norm(box.max)) <= kMaxCoordinate))
@@ -54,7 +55,7 @@ void check(std::span<const Vec3> points, std::size_t answers) {
 SignPlan plan_of(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
   SignPlan plan = plan_sign(mesh, options, progress);
   if (options.outer) plan_outer(mesh, options, plan, progress);
-  if (plan.report.method != SignMethod::flood) return plan;
+  if (find_info(plan.report.method)->at_points) return plan;
   plan.report.method = SignMethod::none;  // found by the diagnosis
   plan.report.sure = false;
   plan.report.why += "; that needs the grid of a field, so distances at points have no sign";

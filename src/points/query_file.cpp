@@ -44,16 +44,8 @@ static_assert(sizeof(QueryHeader::magic) == kQueryMagic.size());
 static_assert(sizeof(QueryHeader) == 112 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 bool is_method_of_points(std::uint8_t method) {
-  switch (static_cast<SignMethod>(method)) {
-    case SignMethod::none:
-    case SignMethod::winding:
-    case SignMethod::parity:
-    case SignMethod::normal:
-    case SignMethod::shell:
-      return true;
-    default:
-      return false;
-  }
+  const SignMethodInfo* const info = find_info(static_cast<SignMethod>(method));
+  return info && info->at_points && info->method != SignMethod::automatic;
 }
 
 void check_header(const ArrayFileReader& arrays, const QueryHeader& h) {

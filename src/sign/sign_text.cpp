@@ -9,9 +9,6 @@
 namespace standoff {
 namespace {
 
-constexpr SignMethod kMethods[] = {SignMethod::winding, SignMethod::parity, SignMethod::normal, SignMethod::flood,
-                                   SignMethod::shell};
-
 // Takes the first word from `text`.
 std::string_view next_word(std::string_view& text) {
   const std::string_view word = text.substr(0, text.find(' '));
@@ -49,8 +46,8 @@ std::optional<SignText> sign_text_in(std::string_view text) {
   SignText found;
   std::string_view rest = text;
   const std::string_view method = next_word(rest);
-  for (const SignMethod one : kMethods)
-    if (method == name_of(one)) found.method = one;
+  for (const SignMethodInfo& info : kSignMethods)
+    if (method == info.name && info.method != SignMethod::automatic) found.method = info.method;
   while (!rest.empty()) {
     const std::string_view word = next_word(rest);
     if (word == "nonzero") found.rule = WindingRule::nonzero;

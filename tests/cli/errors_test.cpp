@@ -121,7 +121,7 @@ TEST_F(Errors, UsageOfValues) {
       {"compute box.obj --minimum 0.5 -t 1", 2, "factor e must be at least 1"},
       {"compute box.obj --minimum 2 -t 1 --speed -1", 2, "the speed must be zero or more"},
       {"compute box.obj --method magic", 2, "--method 'magic': give tiles or thesis"},
-      {"compute box.obj --sign some", 2, "--sign 'some': give none, auto, winding, parity, normal, flood or shell"},
+      {"compute box.obj --sign some", 2, "--sign 'some': give auto, winding, parity, normal, flood, shell or none"},
       {"compute box.obj --sign shell", 2, "--sign 'shell': give a thickness above zero, as in"},
       {"compute box.obj --sign shell:0", 2, "--sign 'shell:0': give a thickness above zero, as in"},
       {"compute box.obj --sign shell:inf", 2, "--sign 'shell:inf': give a thickness above zero, as in"},
@@ -323,7 +323,7 @@ TEST_F(Errors, OutOfMemory) {
 TEST_F(Errors, Device) {
   expect_all({{"compute box.obj --device cuda:99", 6, "cuda: "},
               {"compute box.obj --device cuda:x", 2, "give the number of a GPU"},
-              {"compute box.obj --device cpu:1", 2, "only cuda takes a number"}});
+              {"compute box.obj --device cpu:1", 2, "only a GPU takes a number"}});
 }
 
 TEST_F(Errors, ANewlineInANameStaysOnTheLine) {

@@ -89,7 +89,7 @@ std::optional<std::string> LiveView::field(const LiveSettings& settings, const s
 std::shared_ptr<const MeshQuery> LiveView::query() {
   const Subject subject = this->subject();
   SignMethod sign = settings().sign.method;
-  if (sign == SignMethod::flood || sign == SignMethod::shell) sign = SignMethod::automatic;
+  if (!find_info(sign)->at_points || sign == SignMethod::shell) sign = SignMethod::automatic;
   if (!query_ || query_version_ != subject.version || query_sign_ != sign) {
     MeshQueryOptions options;
     options.sign.method = sign;

@@ -10,5 +10,6 @@ namespace standoff::testing {
 /// A backend that is accepted wherever Backend::cuda is. Its answers are those of a GPU. The value is far from those of
 /// the enumerators, which may become more.
 inline constexpr Backend kEmulated{1000};
+static_assert(find_info(kEmulated)->backend == kEmulated);
 
 }  // namespace standoff::testing
