@@ -25,8 +25,8 @@ bool agree_on_sweep(const CollisionPeer& peer, const RigidMotion& motion, double
 }
 
 Pose on_the_way(const RigidMotion& motion, double t) {
-  Pose pose = motion.from;
-  pose.translation = motion.from.translation + (motion.to.translation - motion.from.translation) * t;
+  Pose pose = motion.start;
+  pose.translation = motion.start.translation + (motion.end.translation - motion.start.translation) * t;
   return pose;
 }
 

@@ -20,24 +20,24 @@ struct Batches {
 };
 
 /// Answers a batch and drops the answers.
-void answer(bench::Query query, const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses,
+void answer(bench::Query query, const Body& a, const Body& b, const std::vector<Pose>& poses,
             const std::vector<RigidMotion>& motions, double tolerance, int threads) {
   const Execution execution{.threads = threads, .backend = Backend::cpu};
   switch (query) {
     case bench::Query::collide:
-      collide_all(a, {}, b, poses, {}, execution);
+      collide_all(a, {}, b, poses, {}, execution).results;
       return;
     case bench::Query::contacts:
-      contacts_all(a, {}, b, poses, {bench::kContacts}, execution);
+      contacts_all(a, {}, b, poses, {bench::kContacts}, execution).results;
       return;
     case bench::Query::all_contacts:
-      contacts_all(a, {}, b, poses, {bench::kAllContacts}, execution);
+      contacts_all(a, {}, b, poses, {bench::kAllContacts}, execution).results;
       return;
     case bench::Query::distance:
-      distance_all(a, {}, b, poses, {}, execution);
+      distance_all(a, {}, b, poses, {}, execution).results;
       return;
     case bench::Query::sweep:
-      sweep_all(a, {}, b, motions, {tolerance}, execution);
+      sweep_all(a, {}, b, motions, {tolerance}, execution).results;
       return;
   }
 }
@@ -58,7 +58,7 @@ double turn(Batch&& batch) {
 
 void run(const Batches& batches) {
   const bench::CollisionSettings& settings = batches.settings;
-  const CollisionModel a(bench::make_body(settings.a)), b(bench::make_body(settings.b));
+  const Body a(bench::make_body(settings.a)), b(bench::make_body(settings.b));
   for (const std::string& text : batches.queries) {
     const bench::Question question = bench::parse_question(text);
     const std::vector<Pose> poses = bench::PosesDrawn(settings, a, b).of(question);

@@ -15,13 +15,13 @@ using bench::Workload;
 
 nlohmann::json run(const Workload& work, const bench::IsoSettings& settings) {
   const DistanceField field = bench::signed_field(work);
-  IsoOptions options;
+  SurfaceOptions options;
   options.at = settings.at * work.grid.spacing.x;
   options.execution.threads = work.threads;
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
-  IsoResult result;
-  bench::measure_calls(work.repeats, "iso", line, [&] { result = isosurface(field, options); });
+  SurfaceResult result;
+  bench::measure_calls(work.repeats, "iso", line, [&] { result = surface(field, options); });
   line["surface_triangles"] = result.mesh.triangles.size();
   if (settings.save.empty()) return line;
   const std::filesystem::path folder = settings.save;

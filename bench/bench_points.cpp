@@ -18,8 +18,8 @@ struct Settings {
 nlohmann::json run(const PointWorkload& work, const Settings& settings) {
   MeshQueryOptions options;
   options.execution = {.threads = work.threads, .backend = Backend::cpu};
-  // Decide as the peers do: by the winding number of the unrepaired mesh.
-  if (settings.with_sign) options.sign = {.method = SignMethod::winding, .as_oriented = true};
+  // As the peers decide: by the winding number of the mesh as it is.
+  options.sign = {.method = settings.with_sign ? SignMethod::winding : SignMethod::none, .as_oriented = true};
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
   line["signed"] = settings.with_sign;
@@ -30,19 +30,17 @@ nlohmann::json run(const PointWorkload& work, const Settings& settings) {
   });
   line["memory_bytes"] = query->memory_bytes();
   line["sign"] = name_of(query->sign().method);
+  const PointOptions asked{.execution = options.execution};
   std::vector<double> distances(work.points.size());
-  bench::measure_calls(work.repeats, "given", line,
-                       [&] { query->distances(work.points, distances, options.execution); });
+  bench::measure_calls(work.repeats, "given", line, [&] { query->distances(work.points, distances, asked); });
   work.save_answers(distances);
   if (settings.closest) {
     std::vector<ClosestPoint> closest(work.points.size());
-    bench::measure_calls(work.repeats, "closest", line,
-                         [&] { query->closest(work.points, closest, options.execution); });
+    bench::measure_calls(work.repeats, "closest", line, [&] { query->closest(work.points, closest, asked); });
   }
   if (settings.winding) {
     std::vector<double> numbers(work.points.size());
-    bench::measure_calls(work.repeats, "winding", line,
-                         [&] { query->winding_numbers(work.points, numbers, options.execution); });
+    bench::measure_calls(work.repeats, "winding", line, [&] { query->winding_numbers(work.points, numbers, asked); });
   }
   return line;
 }

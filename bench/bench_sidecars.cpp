@@ -17,9 +17,10 @@ nlohmann::json run(const Workload& work) {
   const std::array kinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
                          SidecarKind::gradient};
   ComputeOptions plain;
+  plain.sign = {SignMethod::none};
   plain.execution = {.threads = work.threads, .backend = Backend::cpu};
   ComputeOptions with_nearest = plain;
-  with_nearest.nearest_triangle = true;
+  with_nearest.nearest = true;
   DistanceField bare, field;
   std::array<std::vector<Sidecar>, kinds.size()> memory;
   std::vector<double> seconds_bare, seconds_nearest;
@@ -37,8 +38,9 @@ nlohmann::json run(const Workload& work) {
     timed(seconds_nearest, processor_nearest,
           [&] { compute_into(work.mesh, work.grid, work.thickness, field, with_nearest); });
     for (std::size_t k = 0; k < kinds.size(); ++k)
-      timed(seconds[k], processor[k],
-            [&] { sidecars_into(work.mesh, field, std::span(&kinds[k], 1), memory[k], plain.execution); });
+      timed(seconds[k], processor[k], [&] {
+        sidecars_into(work.mesh, field, std::span(&kinds[k], 1), memory[k], {.execution = plain.execution});
+      });
   }
   const auto warm = [](const std::vector<double>& all) { return bench::median({all.begin() + 1, all.end()}); };
   nlohmann::json line = work.describe();

@@ -42,6 +42,7 @@ class Job {
  public:
   Job(const Workload& work, const Mesh& mesh, const Settings& settings)
       : work_(work), mesh_(mesh), dense_(settings.dense) {
+    plain_.sign = {SignMethod::none};
     plain_.execution = {.threads = work.threads, .backend = Backend::cpu};
     signed_ = plain_;
     signed_.sign.method = settings.method;

@@ -31,6 +31,7 @@ class Job {
  public:
   Job(const Workload& work, const Settings& settings) : work_(work), output_(settings.output) {
     options_.method = settings.method;
+    options_.sign = {SignMethod::none};
     options_.skip = settings.skip;
     options_.execution.threads = work.threads;
     options_.execution.simd = settings.simd;

@@ -11,7 +11,7 @@ namespace standoff::bench {
 
 Mesh make_body(const BodySource& source) {
   const bool file = source.name.find('/') != std::string::npos;
-  Mesh mesh = file ? read_mesh(source.name) : scenes::make(source.name, source.triangles);
+  Mesh mesh = file ? read_mesh(source.name).mesh : scenes::make(source.name, source.triangles);
   if (file) scenes::split_to(mesh, source.triangles);
   if (source.size > 0) {
     const Box box = bounds(mesh);

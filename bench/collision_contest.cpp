@@ -42,7 +42,7 @@ struct Asked {
   std::vector<RigidMotion> motions;
 };
 
-double ask_standoff(const Asked& asked, const CollisionModel& a, const CollisionModel& b, std::size_t n) {
+double ask_standoff(const Asked& asked, const Body& a, const Body& b, std::size_t n) {
   const Pose& pose = asked.poses[n];
   switch (asked.question.query) {
     case Query::collide:
@@ -62,7 +62,7 @@ double ask_standoff(const Asked& asked, const CollisionModel& a, const Collision
 
 /// Conservative advancement: the path is straight, so its length bounds the speed of all points.
 double advance(const CollisionPeer& peer, const RigidMotion& motion, double tolerance) {
-  const Vec3 way = motion.to.translation - motion.from.translation;
+  const Vec3 way = motion.end.translation - motion.start.translation;
   const double length = std::sqrt(dot(way, way));
   for (double t = 0; t <= 1;) {
     const double apart = peer.distance(on_the_way(motion, t));
@@ -122,8 +122,8 @@ void write(nlohmann::json& line, const std::string& who, const Side& side) {
   if (side.answers.size() == 1) line[who + "_answer"] = side.answers[0];
 }
 
-nlohmann::json measure_question(const Asked& asked, const CollisionModel& a, const CollisionModel& b,
-                                const CollisionPeer& peer, const Contest& contest) {
+nlohmann::json measure_question(const Asked& asked, const Body& a, const Body& b, const CollisionPeer& peer,
+                                const Contest& contest) {
   const std::size_t poses = asked.poses.size();
   const double least_s = asked.question.place ? kLeastTurn_s : 0;
   Side ours, theirs;
@@ -157,7 +157,7 @@ void run(const Contest& contest, const std::string& peer_name, const MakePeer& m
   const CollisionSettings& settings = contest.settings;
   const Mesh mesh_a = make_body(settings.a), mesh_b = make_body(settings.b);
   double start = cpu_seconds();
-  const CollisionModel a(mesh_a), b(mesh_b);
+  const Body a(mesh_a), b(mesh_b);
   const double build = cpu_seconds() - start;
   start = cpu_seconds();
   const std::unique_ptr<CollisionPeer> peer = make_peer(mesh_a, mesh_b);

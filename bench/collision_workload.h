@@ -40,14 +40,13 @@ inline constexpr std::int64_t kContacts = 100, kAllContacts = 1'000'000'000;
 /// Random poses of b as a question places it (question.h), the same in every run. Keeps references.
 class PosesDrawn {
  public:
-  PosesDrawn(const CollisionSettings& settings, const CollisionModel& a, const CollisionModel& b)
-      : settings_(settings), a_(a), b_(b) {}
+  PosesDrawn(const CollisionSettings& settings, const Body& a, const Body& b) : settings_(settings), a_(a), b_(b) {}
   /// Throws runtime_error if there seems to be no such pose.
   std::vector<Pose> of(const Question& question);
 
  private:
   const CollisionSettings& settings_;
-  const CollisionModel &a_, &b_;
+  const Body &a_, &b_;
   /// The last poses of each placing: moving a pose to a gap takes longer than a query.
   std::map<std::string, std::vector<Pose>> known_;
 };

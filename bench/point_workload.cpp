@@ -92,7 +92,7 @@ PointOptions::PointOptions(CLI::App& app) {
 PointWorkload PointOptions::make() const {
   PointWorkload work;
   work.source = scene_.empty() ? mesh_ : scene_;
-  work.mesh = scene_.empty() ? read_mesh(mesh_) : scenes::make(scene_, triangles_);
+  work.mesh = scene_.empty() ? read_mesh(mesh_).mesh : scenes::make(scene_, triangles_);
   work.points = make_points(work.mesh, set_, count_, seed_);
   work.threads = threads_;
   work.repeats = repeats_;

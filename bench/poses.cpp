@@ -48,7 +48,7 @@ std::vector<Pose> draw_poses(std::size_t count, const Draw& draw) {
   return poses;
 }
 
-std::vector<Pose> in_the_box(std::size_t count, double share, const CollisionModel& a, const CollisionModel& b) {
+std::vector<Pose> in_the_box(std::size_t count, double share, const Body& a, const Body& b) {
   std::size_t hits = static_cast<std::size_t>(share * static_cast<double>(count));
   std::size_t frees = count - hits;
   const Box box = a.bounds();
@@ -72,7 +72,7 @@ struct Approach {
   Vec3 back;  ///< unit length, the direction that it came from
 };
 
-std::optional<Approach> approach(Dice& dice, double gap, const CollisionModel& a, const CollisionModel& b) {
+std::optional<Approach> approach(Dice& dice, double gap, const Body& a, const Body& b) {
   constexpr int kSteps = 300;  // a grazing line takes more; then another one is drawn
   Pose pose = make_pose(dice.direction(), dice.between(0, 2 * std::numbers::pi), {});
   const Vec3 meeting = dice.point_of(a.mesh()) - rotate(pose, dice.point_of(b.mesh()));
@@ -87,7 +87,7 @@ std::optional<Approach> approach(Dice& dice, double gap, const CollisionModel& a
   return {};
 }
 
-std::vector<Pose> near_each_other(std::size_t count, double gap, const CollisionModel& a, const CollisionModel& b) {
+std::vector<Pose> near_each_other(std::size_t count, double gap, const Body& a, const Body& b) {
   return draw_poses(count, [&](Dice& dice) -> std::optional<Pose> {
     const std::optional<Approach> found = approach(dice, gap, a, b);
     if (!found) return {};
@@ -95,7 +95,7 @@ std::vector<Pose> near_each_other(std::size_t count, double gap, const Collision
   });
 }
 
-std::vector<Pose> in_each_other(std::size_t count, double depth, const CollisionModel& a, const CollisionModel& b) {
+std::vector<Pose> in_each_other(std::size_t count, double depth, const Body& a, const Body& b) {
   const double gap = depth / 10;  // near enough to count as touching
   return draw_poses(count, [&](Dice& dice) -> std::optional<Pose> {
     std::optional<Approach> found = approach(dice, gap, a, b);
@@ -106,7 +106,7 @@ std::vector<Pose> in_each_other(std::size_t count, double depth, const Collision
   });
 }
 
-std::vector<Pose> turned_in_place(std::size_t count, double degrees, const CollisionModel& a, const CollisionModel& b) {
+std::vector<Pose> turned_in_place(std::size_t count, double degrees, const Body& a, const Body& b) {
   return draw_poses(count, [&](Dice& dice) {
     const double most = degrees * std::numbers::pi / 180;
     Pose pose = make_pose(dice.direction(), dice.between(0, most), {});
@@ -144,7 +144,7 @@ std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Q
     const Vec3 direction = settings.direction.empty()
                                ? dice.direction()
                                : Vec3{settings.direction[0], settings.direction[1], settings.direction[2]};
-    motion.to.translation = pose.translation + direction * way;
+    motion.end.translation = pose.translation + direction * way;
     motions.push_back(motion);
   }
   return motions;

@@ -3,7 +3,7 @@
 """sign_pictures.py STANDOFF MESH.obj FOLDER: what the sign methods make of a damaged mesh, three pictures.
 
 sign_methods.png: the same plane of the field by each method. sign_confidence.png: how far each sample's winding number is
-from where the sign changes. sign_iso.png: the surface at 0 that `standoff iso` finds in three of these fields.
+from where the sign changes. sign_iso.png: the surface at 0 that `standoff surface` finds in three of these fields.
 
 The mesh loses 1 % of its triangles and all that are near a point; of the rest, 1 % and all that are near another point are
 flipped. `standoff slice` and `render` draw. Needs matplotlib (Debian: python3-matplotlib), which brings numpy and Pillow."""
@@ -141,7 +141,7 @@ def surfaces(standoff, folder):
     for title, options in [PANELS[1], PANELS[3], PANELS[5]]:
         field, surface = folder / "field.vti", folder / f"{options[0].split(':')[0]}.obj"
         subprocess.run([standoff, "compute", str(folder / "damaged.obj"), "--sign", *options, FIELD[0], "-r", "128", "-t", "0.3", "-f", "-q", "-o", str(field)], check=True)
-        subprocess.run([standoff, "iso", str(field), "-f", "-q", "-o", str(surface)], check=True)
+        subprocess.run([standoff, "surface", str(field), "-f", "-q", "-o", str(surface)], check=True)
         panels.append((title, surface))
     figure, axes = pyplot.subplots(1, 4, figsize=(12, 3.3))
     for ax, (title, mesh) in zip(axes, panels):

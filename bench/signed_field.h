@@ -16,7 +16,7 @@ inline ComputeOptions signed_options(const Workload& work) {
 
 inline DistanceField signed_field(const Workload& work, bool nearest = false) {
   ComputeOptions options = signed_options(work);
-  options.nearest_triangle = nearest;
+  options.nearest = nearest;
   DistanceField field;
   compute_into(work.mesh, work.grid, work.thickness, field, options);
   return field;

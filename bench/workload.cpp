@@ -32,7 +32,7 @@ Vec3 filling(const Mesh& mesh, Vec3 extent, double margin) {
 Grid padded_grid(const Box& box, std::int64_t samples, double thickness) {
   const Vec3 e = box.extent();
   const double spacing = std::max({e.x, e.y, e.z}) / (static_cast<double>(samples - 1) - 2 * thickness);
-  return fit_samples(box, samples, {.length = thickness * spacing, .least_samples = 0});
+  return fit_resolution(box, samples, {.length = thickness * spacing, .least_samples = 0});
 }
 
 /// A cube of samples with cubic cells, centred on the mesh, that holds the mesh's box grown by `thickness` samples.
@@ -92,7 +92,7 @@ WorkloadOptions::WorkloadOptions(CLI::App& app) {
 Workload WorkloadOptions::make() const {
   Workload work;
   work.source = scene_.empty() ? mesh_ : scene_;
-  work.mesh = scene_.empty() ? read_mesh(mesh_) : scenes::make(scene_, triangles_);
+  work.mesh = scene_.empty() ? read_mesh(mesh_).mesh : scenes::make(scene_, triangles_);
   work.threads = threads_;
   work.repeats = repeats_;
   work.check = check_;

@@ -72,16 +72,17 @@ class BatchQuery {
   /// Checks the output before any work.
   void check(std::initializer_list<std::string> inputs) const;
 
-  /// Returns the results of ask(report), and notes how long that took.
+  /// Returns the results of ask(), and notes its report and how long that took.
   template <class Ask>
   auto answers(const Console& console, std::size_t count, Ask ask) {
     using Clock = std::chrono::steady_clock;
     count_ = static_cast<std::int64_t>(count);
     if (count == 0) warn_of_none(console, file_, noun_);
     const auto start = Clock::now();
-    auto results = with_spinner(console, asked(), [&] { return ask(report_); });
+    auto found = with_spinner(console, asked(), ask);
     seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
-    return results;
+    report_ = std::move(found.report);
+    return std::move(found.results);
   }
   /// Writes the table to its file, or to stdout unless JSON is asked for; then says what was found.
   void deliver(const char* verb, const Answers& answers, const Console& console) const;
@@ -94,7 +95,7 @@ class BatchQuery {
   std::string file_;
   FileOutput output_;
   Execution execution_;
-  BatchReport report_{"cpu", ""};
+  BatchReport report_;
   std::int64_t count_ = 0;
   double seconds_ = 0;
 };

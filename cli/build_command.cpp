@@ -19,13 +19,13 @@ constexpr const char* kBuildExamples =
     R"(  standoff build maze.stl                              maze.body, for collide, distance, sweep and fly
   standoff build maze.stl -o out/maze.body --unit mm   in metres, elsewhere
   standoff collide maze.body fly.stl --pose 3,1,2      nothing is built again
-  standoff build maze.stl -o maze.query --sign auto    for standoff points
+  standoff build maze.stl -o maze.query                for standoff points
 )";
 
 struct BuildCommand {
   MeshInput input;
   FileOutput output;
-  ModelOptions options;
+  BodyOptions options;
   SignOptions sign;  // of a query
   Thickness shell{0};
   bool spacing_given = false, sign_given = false;
@@ -53,7 +53,7 @@ void BuildCommand::build_query(const Mesh& mesh) {
   const std::string file = output.path().string();
   const MeshQuery query = with_spinner(console, "building " + file,
                                        [&] { return MeshQuery(mesh, {.sign = sign, .execution = options.execution}); });
-  with_spinner(console, "writing " + file, [&] { write_query(output.path(), query, output.existing()); });
+  with_spinner(console, "writing " + file, [&] { query.save(output.path(), output.existing()); });
   const SignReport& report = query.sign();
   console.say(mesh_line(file, mesh) + ", " +
               (report.method == SignMethod::none ? "no sign" : "sign " + std::string(name_of(report.method))) + ", " +
@@ -75,7 +75,7 @@ void BuildCommand::run() {
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   if (kind_of(output.path()) == FileKind::query) return build_query(mesh);
   const std::string file = output.path().string();
-  const CollisionModel body = with_spinner(console, "building " + file, [&] { return CollisionModel(mesh, options); });
+  const Body body = with_spinner(console, "building " + file, [&] { return Body(mesh, options); });
   with_spinner(console, "writing " + file, [&] { body.save(output.path(), output.existing()); });
   console.say(mesh_line(file, mesh) + ", field of " + size_text(body.grid().size) + " samples, " +
               bytes_text(body.memory_bytes()) + " in memory");
@@ -91,7 +91,7 @@ void BuildCommand::run() {
 void add_build(CLI::App& program) {
   auto* verb = add_verb(program, "build", "make a body or a query of a mesh, once for many questions", kBuildExamples);
   const auto command = std::make_shared<BuildCommand>();
-  ModelOptions& options = command->options;
+  BodyOptions& options = command->options;
   command->input.add_to(*verb);
   command->input.add_scale_to(*verb);
   add_parsed(*verb, {"--spacing", "S", "of the body's field (default: chosen from the mesh)", "Body"},

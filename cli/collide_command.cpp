@@ -37,7 +37,7 @@ struct CollideCommand {
   }
   void run();
   void run_batch();
-  void say_what_is_open(const CollisionModel& a, const CollisionModel& b) const;
+  void say_what_is_open(const Body& a, const Body& b) const;
 };
 
 Json contact_json(const ContactPoint& contact) {
@@ -81,9 +81,9 @@ const char* sentence_of(Containment containment) {
 }
 
 // If one body is open, nothing counts as inside it.
-void CollideCommand::say_what_is_open(const CollisionModel& a, const CollisionModel& b) const {
-  if (containment && a.closed() != b.closed())
-    console.say(std::string(a.closed() ? "B" : "A") +
+void CollideCommand::say_what_is_open(const Body& a, const Body& b) const {
+  if (containment && a.has_inside() != b.has_inside())
+    console.say(std::string(a.has_inside() ? "B" : "A") +
                 " is not closed and consistently oriented, so nothing counts as inside it");
 }
 
@@ -93,11 +93,10 @@ void CollideCommand::run_batch() {
   if (certified && batch.execution().backend != Backend::automatic && batch.execution().backend != Backend::cpu)
     throw Error(ErrorCode::usage, "--certified: comes from the CPU alone; leave --device out");
   const std::vector<Pose> poses = read_poses(batch.file());
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
   say_what_is_open(a, b);
-  const auto found = batch.answers(console, poses.size(), [&](BatchReport& report) {
-    return collide_all(a, bodies.pose_a(), b, poses, options(), batch.execution(), &report);
-  });
+  const auto found = batch.answers(
+      console, poses.size(), [&] { return collide_all(a, bodies.pose_a(), b, poses, options(), batch.execution()); });
   Answers answers{Table(containment ? "pose,result,containment" : "pose,result"), {{"free", 0}, {"hit", 0}}};
   if (certified) answers.counts.emplace_back("ambiguous", 0);
   const std::size_t verdicts = answers.counts.size();
@@ -119,7 +118,7 @@ void CollideCommand::run_batch() {
 void CollideCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
   say_what_is_open(a, b);
   const CollisionResult found = collide(a, bodies.pose_a(), b, pose, options());
   const char* const word = word_of(found.verdict);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,8 +47,10 @@ class Beside {
   bool empty() const { return !nearest_ && kinds_.empty(); }
   /// Throws Error{usage} where the output's format has no place for them.
   void check(const FileOutput& output) const;
-  /// Asks the computation for what they are made of, and for the memory they take.
-  void prepare(ComputeOptions& options) const;
+  /// Asks the computation for what they are made of.
+  void prepare(ComputeOptions& options) const { options.nearest = nearest_ || !kinds_.empty(); }
+  /// The bytes of those that are not the field's own, for each sample of a stored tile.
+  std::int64_t bytes_per_sample() const;
   /// Makes them, and removes nearest triangles from the field unless they are to be stored.
   std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution,
                             const ProgressCallback& progress) const;
@@ -78,15 +81,17 @@ void Beside::check(const FileOutput& output) const {
     output.check_carries(field_formats(), &FileFormat::sidecars, "can only carry distances", "--with");
 }
 
-void Beside::prepare(ComputeOptions& options) const {
-  options.nearest_triangle = nearest_ || !kinds_.empty();
-  for (const SidecarKind kind : kinds_) options.bytes_beside += bytes_per_sample(kind);
+std::int64_t Beside::bytes_per_sample() const {
+  std::int64_t bytes = 0;
+  for (const SidecarKind kind : kinds_) bytes += standoff::bytes_per_sample(kind);
+  return bytes;
 }
 
 std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution,
                                   const ProgressCallback& progress) const {
   if (kinds_.empty()) return {};
-  std::vector<Sidecar> made = sidecars(mesh, field, kinds_, {.threads = execution.threads}, progress);
+  std::vector<Sidecar> made =
+      sidecars(mesh, field, kinds_, {.execution = {.threads = execution.threads}, .progress = progress});
   if (!nearest_) field.erase_nearest();
   return made;
 }
@@ -99,8 +104,9 @@ struct Plan {
   std::string output;
   bool in_the_way = false;  ///< the output exists, and may not be overwritten
   double load_seconds = 0;
-  bool in_slabs = false;  ///< the field is written while it is computed
-  bool sparse = false;    ///< FileFormat::sparse of the output
+  bool in_slabs = false;          ///< the field is written while it is computed
+  bool sparse = false;            ///< FileFormat::sparse of the output
+  std::int64_t bytes_beside = 0;  ///< of sidecars, for each sample of a stored tile
 };
 
 /// A computation that has written its field.
@@ -122,7 +128,7 @@ double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
     const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));
     return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
   }
-  const double bytes = (options.nearest_triangle ? 8.0 : 4.0) + static_cast<double>(options.bytes_beside);
+  const double bytes = (options.nearest ? 8.0 : 4.0) + static_cast<double>(plan.bytes_beside);
   return bytes * static_cast<double>(plan.choice.grid.sample_count());
 }
 
@@ -151,12 +157,24 @@ std::string sign_line(const SignReport& sign) {
   return method + ": " + sign.why + (sign.sure ? "" : "; not certain");
 }
 
+// What the field takes at most, and the sidecars.
+std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
+  const MemoryEstimate found = estimate(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
+  if (plan.in_slabs) return found.slabs;
+  const double beside = static_cast<double>(found.stored_samples) * static_cast<double>(plan.bytes_beside);
+  return static_cast<std::int64_t>(std::min(static_cast<double>(found.whole) + beside, 0x1p62));
+}
+
+// The memory limit in bytes; the largest number where there is none.
+std::int64_t limit_of(const ComputeOptions& options) {
+  const std::int64_t limit = options.memory_limit == 0 ? default_memory_limit() : options.memory_limit;
+  return limit < 0 ? std::numeric_limits<std::int64_t>::max() : limit;
+}
+
 // What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
 void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
   const Grid& grid = plan.choice.grid;
-  const std::int64_t needed = plan.in_slabs ? slab_memory_needed(plan.mesh, grid, plan.choice.thickness, options)
-                                            : memory_needed(plan.mesh, grid, plan.choice.thickness, options),
-                     limit = options.memory_limit;
+  const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options);
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
   const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
@@ -166,7 +184,7 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
     json["tiles"] = {{"total", tile_count(grid.size)}};
     json["seconds"] = {{"load", plan.load_seconds}};
     json["memory_needed_bytes"] = needed;
-    json["memory_limit_bytes"] = limit;
+    json["memory_limit_bytes"] = options.memory_limit < 0 ? Json() : Json(limit);
     json["dry_run"] = true;
     json["output"] = {{"file", plan.output}, {"bytes", file_bytes}, {"in_the_way", plan.in_the_way}};
     print(json);
@@ -181,6 +199,16 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
   if (needed > limit)
     throw Error(ErrorCode::limit, "compute: the field " + memory + over +
                                       "; take fewer samples, a smaller thickness, or a larger --memory-limit");
+}
+
+// Errors: limit. Of a field without sidecars the computation says the same.
+void check_memory(const Plan& plan, const ComputeOptions& options) {
+  if (const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options); needed > limit)
+    throw Error(ErrorCode::limit,
+                "compute: the field and what stands beside it may need " + bytes_text(needed) +
+                    ", more than the limit of " + bytes_text(limit) +
+                    "; take fewer samples, a smaller thickness, less with --with, or a larger --memory-limit",
+                {.bytes_needed = needed, .bytes_limit = limit});
 }
 
 void say(const Outcome& outcome, const Console& console) {
@@ -247,7 +275,7 @@ constexpr const char* kComputeExamples =
   standoff compute bunny.obj -o field.npz -t 3s -r 400   a band of 3 samples, for numpy
   standoff compute part.stl --unit mm --spacing 0.0005   metres out of millimetres, a sample every 0.5 mm
   standoff compute part.stl --size 100,100,50 -t 0.2     a grid and a thickness of your own
-  standoff compute part.stl --sign auto                  negative inside, and a line that says why
+  standoff compute part.stl --sign none                  distances without a sign
   standoff compute part.stl --dry-run                    grid, memory and file size, nothing else
   standoff compute scene:factory -t 2s --json            a mesh made by code; what happened as JSON
 )";
@@ -314,7 +342,7 @@ void ComputeCommand::add_to(CLI::App& verb) {
   add_device(verb, "Work", options.execution.backend, options.execution.device);
   add_threads(verb, "Work", options.execution.threads);
   add("--memory-limit", "SIZE",
-      "most memory for the field and its making, as in 500M or 8G\n(default: 80 % of the machine's)",
+      "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)",
       [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
   add(
@@ -342,18 +370,16 @@ void ComputeCommand::run() {
   dry_run ? output.check_name(field_formats()) : output.check(field_formats());
   if (confidence_name) {
     if (options.sign.method == SignMethod::none)
-      throw Error(ErrorCode::usage, "--confidence is for fields with a sign; give --sign too");
+      throw Error(ErrorCode::usage, "--confidence is for fields with a sign; leave out --sign none");
     confidence = output.beside(*confidence_name);
     confidence.check_differs(mesh.name());
     dry_run ? confidence.check_name(field_formats()) : confidence.check(field_formats());
   }
   beside.check(output);
   beside.prepare(options);
-  if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
 
   const auto start = std::chrono::steady_clock::now();
-  MeshReadReport read;
-  const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(&read); });
+  const auto [loaded, read] = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read_with_report(); });
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
@@ -361,11 +387,13 @@ void ComputeCommand::run() {
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
+  plan.bytes_beside = beside.bytes_per_sample();
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
 
+  if (plan.bytes_beside > 0) check_memory(plan, options);
   Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
@@ -434,9 +462,10 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
 
 SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& field) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
-    const std::vector<float> margins = winding_margins(loaded, field.grid(), options.sign, {options.execution.threads});
+    const ConfidenceOptions asked{.sign = options.sign, .execution = {options.execution.threads}};
+    const std::vector<float> margins = winding_margins(loaded, field.grid(), asked);
     write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), write_options());
-    return sign_confidence(loaded, field, margins, {options.execution.threads});
+    return sign_confidence(loaded, field, margins, asked);
   });
 }
 

@@ -40,8 +40,8 @@ struct DistanceCommand {
 void DistanceCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   const std::vector<Pose> poses = read_poses(batch.file());
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
-  const auto found = batch.answers(console, poses.size(), [&](BatchReport&) {
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
+  const auto found = batch.answers(console, poses.size(), [&] {
     return distance_all(a, bodies.pose_a(), b, poses, inclusive(), batch.execution());
   });
   Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
@@ -66,7 +66,7 @@ void DistanceCommand::run_batch() {
 void DistanceCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
   const DistanceResult found = distance(a, bodies.pose_a(), b, pose, inclusive());
   if (console.json()) {
     const bool any = std::isfinite(found.upper);

@@ -101,7 +101,7 @@ std::string MeshInput::stem() const {
   return (path.extension() == ".gz" ? path.stem() : path).stem().string();
 }
 
-Mesh MeshInput::read(MeshReadReport* report) const {
+MeshReadResult MeshInput::read_with_report() const {
   if (kind_of(name_) == FileKind::body)
     throw Error(ErrorCode::input, name_ +
                                       ": this is a body, for collide, distance, sweep and fly; give the mesh it "
@@ -111,12 +111,12 @@ Mesh MeshInput::read(MeshReadReport* report) const {
   if (kind_of(name_) == FileKind::field)
     throw Error(ErrorCode::input, name_ + ": this is a field; give the mesh it was computed from");
   const double scale = scale_ ? *scale_ : unit_.value_or(1);
-  if (!name_.starts_with(kScene)) return read_mesh(name_, {scale}, report);
+  if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
   const SceneName scene = parse_scene(name_);
   Mesh mesh = scenes::make(scene.name, scene.triangles);
   if (scale != 1)
     for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
-  return mesh;
+  return {std::move(mesh), {}};
 }
 
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {
@@ -204,7 +204,7 @@ std::string extensions(const std::vector<FileFormat>& formats, bool writable) {
 }
 
 void FieldArgument::add_to(CLI::App& verb, const std::string& what) {
-  const std::string help = "most memory for " + what + ", as in 500M or 8G\n(default: 80 % of the machine's)";
+  const std::string help = "most memory for " + what + ", as in 500M or 8G,\nor none (default: 80 % of the machine's)";
   add_parsed(verb, {"--memory-limit", "SIZE", help.c_str(), "Input"},
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
 }
@@ -213,10 +213,8 @@ FieldReadOptions FieldArgument::options_for(const std::string& name) const {
   if (kind_of(name) != FileKind::field)
     throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
                                       " are; compute the field of a mesh with standoff compute");
-  return {.memory_limit = memory_limit()};
+  return {.memory_limit = memory_limit_};
 }
-
-std::int64_t FieldArgument::memory_limit() const { return memory_limit_ ? *memory_limit_ : default_memory_limit(); }
 
 DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
   const FieldReadOptions options = options_for(name);
@@ -229,18 +227,18 @@ FieldFile FieldArgument::read_file(const std::string& name, const Console& conso
 }
 
 void FieldArgument::check_unused(const std::string& name) const {
-  if (memory_limit_)
+  if (memory_limit_ != 0)
     throw Error(ErrorCode::usage, "--memory-limit: it is for fields, and " + name + " is none; leave it out");
 }
 
-CollisionModel read_body(const std::string& name, const Console& console) {
+Body read_body(const std::string& name, const Console& console) {
   if (kind_of(name) == FileKind::body)
-    return with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
+    return with_spinner(console, "reading " + name, [&] { return Body::load(name); });
   MeshInput input;
   input.set_name(name);
   const Mesh mesh = with_spinner(console, "reading " + name, [&] { return input.read(); });
   try {
-    return with_spinner(console, "building the body of " + name, [&] { return CollisionModel(mesh); });
+    return with_spinner(console, "building the body of " + name, [&] { return Body(mesh); });
   } catch (const Error& error) {
     throw Error(error.code(), name + ": " + error.what());
   }
@@ -261,11 +259,11 @@ CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& 
                     [&pose](const std::string& o, const std::string& t) { pose = parse_pose(o, t); });
 }
 
-void add_body(Json& json, const CollisionModel& body) {
+void add_body(Json& json, const Body& body) {
   json["mesh"] = {{"triangles", body.mesh().triangles.size()},
                   {"vertices", body.mesh().vertices.size()},
                   {"bounds", json_box(body.bounds())}};
-  json["closed"] = body.closed();
+  json["has_inside"] = body.has_inside();
   json["grid"] = json_grid(body.grid());
   json["thickness"] = body.thickness();
   json["memory_bytes"] = body.memory_bytes();

@@ -50,8 +50,10 @@ class MeshInput {
   const std::string& name() const { return name_; }
   /// Returns the mesh's name without folder and extension.
   std::string stem() const;
-  /// Reads the mesh; `report` gets what was done to the file's coordinates. Errors: input, also for fields and bodies.
-  Mesh read(MeshReadReport* report = nullptr) const;
+  /// Reads the mesh. Errors: input, also for fields and bodies.
+  Mesh read() const { return read_with_report().mesh; }
+  /// The same with what was done to the file's coordinates.
+  MeshReadResult read_with_report() const;
 
   /// Sets a name that is no argument of its own.
   void set_name(const std::string& name) { name_ = name; }
@@ -105,8 +107,8 @@ class FieldArgument {
  public:
   /// Adds --memory-limit, for `what`.
   void add_to(CLI::App& verb, const std::string& what = "the field that is read");
-  /// Returns the given limit, or the default.
-  std::int64_t memory_limit() const;
+  /// Returns the given limit; 0 if there is none, which stands for the default.
+  std::int64_t memory_limit() const { return memory_limit_; }
   /// Reads the field, and shows on a terminal what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
   /// Reads the field with its sidecars.
@@ -117,12 +119,12 @@ class FieldArgument {
  private:
   FieldReadOptions options_for(const std::string& name) const;
 
-  std::optional<std::int64_t> memory_limit_;
+  std::int64_t memory_limit_ = 0;
 };
 
 /// Makes a body of a mesh, or reads one that standoff build made (NAME.body), and shows on a terminal what is waited
 /// for.
-CollisionModel read_body(const std::string& name, const Console& console);
+Body read_body(const std::string& name, const Console& console);
 
 /// Two bodies A and B, and where A is.
 class PairInput {
@@ -131,8 +133,8 @@ class PairInput {
   void add_to(CLI::App& verb);
   /// Checks both names before anything is built. Errors: usage, input.
   void check() const;
-  CollisionModel read_a(const Console& console) const { return read_body(a_, console); }
-  CollisionModel read_b(const Console& console) const { return read_body(b_, console); }
+  Body read_a(const Console& console) const { return read_body(a_, console); }
+  Body read_b(const Console& console) const { return read_body(b_, console); }
   const std::string& name_a() const { return a_; }
   const std::string& name_b() const { return b_; }
   const Pose& pose_a() const { return pose_a_; }
@@ -146,6 +148,6 @@ class PairInput {
 CLI::Option* add_pose(CLI::App& verb, const char* name, const char* help, Pose& pose);
 
 /// Adds a body's mesh, whether it is closed, its grid, thickness and memory to an answer.
-void add_body(Json& json, const CollisionModel& body);
+void add_body(Json& json, const Body& body);
 
 }  // namespace standoff::cli

@@ -153,8 +153,8 @@ struct FlyCommand {
   void check_mode() const;
   void check_outputs();
   void run();
-  void watch(const CollisionModel& maze, const CollisionModel& flier);
-  void record(const CollisionModel& maze, const CollisionModel& flier);
+  void watch(const Body& maze, const Body& flier);
+  void record(const Body& maze, const Body& flier);
 };
 
 void FlyCommand::check_mode() const {
@@ -181,13 +181,13 @@ void FlyCommand::check_outputs() {
                                       std::to_string(fly::kMostBodies) + " at the most");
 }
 
-void FlyCommand::watch(const CollisionModel& maze, const CollisionModel& flier) {
+void FlyCommand::watch(const Body& maze, const Body& flier) {
   auto flight = std::make_unique<fly::Flight>(maze, flier, options, flies);
   fly::FlightServer page(fly::flight_subject(labyrinth, maze, flier, options.threads), std::move(flight));
   server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
 }
 
-void FlyCommand::record(const CollisionModel& maze, const CollisionModel& flier) {
+void FlyCommand::record(const Body& maze, const Body& flier) {
   fly::Flight flight(maze, flier, options, flies);
   std::vector<fly::FlightFrame> frames;
   {
@@ -222,7 +222,7 @@ void FlyCommand::run() {
   if (!view) server.check_unused("without --view nothing is served");
   if (view && console.json())
     throw Error(ErrorCode::usage, "--json: a page that is served has no result; leave it out");
-  const CollisionModel maze = read_body(labyrinth, console), flier = read_body(fly, console);
+  const Body maze = read_body(labyrinth, console), flier = read_body(fly, console);
   if (const double longest = length(maze.bounds().extent()); options.speed > longest)
     throw Error(ErrorCode::usage, "--speed " + number(options.speed) + ": a step is longer than the labyrinth, " +
                                       number(longest) + " from corner to corner; take a lower speed");

@@ -11,8 +11,8 @@
 #include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
+#include "standoff/crossings.h"
 #include "standoff/error.h"
-#include "standoff/hermite.h"
 #include "standoff/io.h"
 #include "standoff/voxels.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kCrossingsExamples =
     R"(  standoff crossings bunny.obj                         into bunny.npz, 256 samples on the longest side
-  standoff crossings part.stl -o hermite.npz --sign auto   normals outwards, copies and inner walls left out
+  standoff crossings part.stl -o hermite.npz --sign none   all triangles, as they are oriented
   standoff crossings part.stl -o table.csv -r 50       a line for each crossing
 )";
 
@@ -59,7 +59,7 @@ void CrossingsCommand::add_to(CLI::App& verb) {
   add_threads(verb, "Work", options.execution.threads);
   add_parsed(verb,
              {"--memory-limit", "SIZE",
-              "most memory for the crossings, as in 500M or 8G\n(default: 80 % of the machine's)", "Work"},
+              "most memory for the crossings, as in 500M or 8G, or none\n(default: 80 % of the machine's)", "Work"},
              [this](const std::string& o, const std::string& t) { options.memory_limit = parse_bytes(o, t); });
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
@@ -69,7 +69,6 @@ void CrossingsCommand::run() {
   check_input(mesh.name());
   output.check(crossing_formats());
   output.check_differs(mesh.name());
-  if (options.memory_limit == 0) options.memory_limit = default_memory_limit();
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   validate(loaded);
   const GridChoice choice = grid.choose(bounds(loaded));
@@ -132,7 +131,7 @@ struct VoxelsCommand {
   MeshInput mesh;
   FileOutput output;
   GridOptions grid;
-  SignOptions sign{SignMethod::automatic};
+  SignOptions sign;
   Execution execution;
   Console console;
   bool surface = false, solid = false, both = false;
@@ -164,9 +163,9 @@ void VoxelsCommand::add_to(CLI::App& verb) {
 Occupancy VoxelsCommand::make(const Mesh& loaded, const Grid& samples) const {
   const Cancellable cancellable;
   const ProgressCallback progress = console.progress();
-  if (surface) return surface_voxels(loaded, samples, execution, progress);
-  Occupancy voxels = occupancy(loaded, samples, sign, execution, progress);
-  if (both) add_voxels(voxels, surface_voxels(loaded, samples, execution));
+  if (surface) return surface_voxels(loaded, samples, {.execution = execution, .progress = progress});
+  Occupancy voxels = occupancy(loaded, samples, {.sign = sign, .execution = execution, .progress = progress});
+  if (both) add_voxels(voxels, surface_voxels(loaded, samples, {.execution = execution}));
   return voxels;
 }
 

@@ -135,7 +135,7 @@ void add_report(Json& json, const MeshReport& r) {
   mesh["duplicate_same"] = r.duplicate_same;
   mesh["duplicate_opposite"] = r.duplicate_opposite;
   mesh["two_sided"] = r.two_sided;
-  mesh["boundary_edges"] = r.open_edges;
+  mesh["open_edges"] = r.open_edges;
   mesh["nonmanifold_edges"] = r.nonmanifold_edges;
   mesh["inconsistent_edges"] = r.inconsistent_edges;
   mesh["patches"] = r.patches;
@@ -180,8 +180,7 @@ MeshReport examined(const MeshInput& input, const Mesh& mesh, MeshReportOptions 
 }
 
 void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const Console& console) {
-  MeshReadReport read;
-  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(&read); });
+  const auto [mesh, read] = with_spinner(console, "reading " + input.name(), [&] { return input.read_with_report(); });
   const MeshReport found = examined(input, mesh, options, console);
   if (console.json()) {
     Json json = json_answer("info");
@@ -212,12 +211,9 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
   if (console.json()) {
     Json json = json_answer("info");
     json["kind"] = "field";
-    json["field"] = {{"file", name},
-                     {"nearest_triangle", field.has_nearest()},
-                     {"sidecars", Json::array()},
-                     {"method", from.method},
-                     {"sign", from.sign},
-                     {"version", from.version}};
+    json["field"] = {
+        {"file", name},      {"nearest", field.has_nearest()}, {"sidecars", Json::array()}, {"method", from.method},
+        {"sign", from.sign}, {"version", from.version}};
     for (const Sidecar& sidecar : file.sidecars) json["field"]["sidecars"].push_back(sidecar.name);
     json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
     json["grid"] = json_grid(g);
@@ -255,7 +251,7 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
 }
 
 void tell_body(const std::string& name, const Console& console) {
-  const CollisionModel body = with_spinner(console, "reading " + name, [&] { return CollisionModel::load(name); });
+  const Body body = with_spinner(console, "reading " + name, [&] { return Body::load(name); });
   if (console.json()) {
     Json json = json_answer("info");
     json["kind"] = "body";
@@ -268,7 +264,7 @@ void tell_body(const std::string& name, const Console& console) {
   const Grid grid = body.grid();
   print(row("body", name) + row("triangles", count(body.mesh().triangles.size())) +
         row("vertices", count(body.mesh().vertices.size())) + row("from", point_text(box.min)) +
-        row("to", point_text(box.max)) + row("closed", body.closed() ? "yes" : "no") +
+        row("to", point_text(box.max)) + row("closed", body.has_inside() ? "yes" : "no") +
         row("field", size_text(grid.size) + ", " + counted(grid.sample_count(), "sample")) +
         row("spacing", spacing_text(grid.spacing)) + row("thickness", number(body.thickness())) +
         row("memory", bytes_text(body.memory_bytes())));

@@ -50,14 +50,6 @@ CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads) {
                     [&](S o, S t) { threads = static_cast<int>(parse_count(o, t, 1, most_threads())); });
 }
 
-namespace {
-
-// The padding for a wide band is at most this share of the mesh's longest side: otherwise few samples would be left for
-// the mesh.
-constexpr double kMostPadding = 0.1;
-
-}  // namespace
-
 void GridOptions::add_to(CLI::App& verb) {
   add_without_thickness_to(verb);
   add_parsed(verb,
@@ -122,16 +114,14 @@ Padding GridOptions::padding() const {
                                         (size_ ? "a larger --size" : "more with --resolution"));
     return {.samples = *padding_, .least_samples = 0};
   }
-  if (thickness_.infinite()) return {};
-  if (!thickness_.in_samples) return {.length = thickness_.value, .most_share = kMostPadding};
-  if (spacing_) return {.length = thickness_.world(max_norm(*spacing_)), .most_share = kMostPadding};
-  return {.samples = thickness_.value, .most_share = kMostPadding};
+  if (!thickness_.in_samples) return padding_for(thickness_.value);
+  return spacing_ ? padding_for(thickness_.world(max_norm(*spacing_))) : padding_for_samples(thickness_.value);
 }
 
 Grid GridOptions::around(const Box& box) const {
   if (spacing_) return fit_spacing(box, *spacing_, padding());
   if (size_) return fit_size(box, *size_, padding());
-  return fit_samples(box, samples_, padding());
+  return fit_resolution(box, samples_, padding());
 }
 
 std::string grid_line(const GridChoice& choice) {
@@ -235,12 +225,6 @@ bool is_sign_given(const CLI::App& verb) {
     const CLI::Option* option = verb.get_option_no_throw(name);
     return option && option->count() > 0;
   });
-}
-
-bool is_given(const SignOptions& sign) {
-  const SignOptions none;
-  return sign.method != none.method || sign.rule != none.rule || sign.invert || sign.as_oriented || sign.outer ||
-         sign.strict;
 }
 
 void add_sign_report(Json& json, const SignReport& report) {

@@ -57,7 +57,7 @@ struct GridChoice {
 class GridOptions {
  public:
   /// `samples` is the default for the longest side.
-  explicit GridOptions(std::int64_t samples = kDefaultSamples) : samples_(samples) {}
+  explicit GridOptions(std::int64_t samples = kDefaultResolution) : samples_(samples) {}
 
   /// Adds -r, --spacing, --size, --bounds, --padding and --thickness, and says which exclude which.
   void add_to(CLI::App& verb);
@@ -116,7 +116,7 @@ struct SignHelp {
 /// Adds --sign, with all methods, and what goes with it. The thickness of --sign shell goes to `shell`: it may be in
 /// samples. The default is what `options` hold.
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell, const SignHelp& help);
-/// Does the same with the help of verbs that answer with distances, whose default is none.
+/// Does the same with the help of verbs that answer with distances.
 void add_sign(CLI::App& verb, SignOptions& options, Thickness& shell);
 
 /// Adds --sign, --rule, --invert, --as-oriented and --strict for verbs that ask about samples or triangles and not for
@@ -125,8 +125,6 @@ void add_sign_to(CLI::App& verb, TakesSign takes, const std::string& help, SignO
 
 /// Whether any of these options stands on the command line of a verb, with whatever value.
 bool is_sign_given(const CLI::App& verb);
-/// Whether any of them was given another value than it has without.
-bool is_given(const SignOptions& options);
 
 /// Adds how the sign was decided to an answer: `sign.method`, `sign.why` and `sign.sure`.
 void add_sign_report(Json& json, const SignReport& report);

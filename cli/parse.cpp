@@ -144,6 +144,7 @@ Thickness parse_thickness(const std::string& option, const std::string& text) {
 }
 
 std::int64_t parse_bytes(const std::string& option, const std::string& text) {
+  if (text == "none") return kNoMemoryLimit;
   std::string digits = text;
   for (const std::string_view ending : {"iB", "B"})
     if (digits.ends_with(ending)) {
@@ -159,7 +160,8 @@ std::int64_t parse_bytes(const std::string& option, const std::string& text) {
       digits.pop_back();
     }
   const auto value = whole_text<double>(digits);
-  if (!value || !(*value * unit >= 1 && *value * unit < 0x1p62)) reject(option, text, "give a size such as 500M or 8G");
+  if (!value || !(*value * unit >= 1 && *value * unit < 0x1p62))
+    reject(option, text, "give a size such as 500M or 8G, or none");
   return static_cast<std::int64_t>(*value * unit);
 }
 

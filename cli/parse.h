@@ -48,7 +48,7 @@ Size3 parse_size(const std::string& option, const std::string& text);
 Box parse_bounds(const std::string& option, const std::string& text);
 /// "0.5" (world units), "3s" (samples), "inf".
 Thickness parse_thickness(const std::string& option, const std::string& text);
-/// Bytes, with K, M, G or T for powers of 1024.
+/// Bytes, with K, M, G or T for powers of 1024; or "none": kNoMemoryLimit.
 std::int64_t parse_bytes(const std::string& option, const std::string& text);
 /// none, neighbour, neighbour:F, exact.
 SkipRule parse_skip(const std::string& option, const std::string& text);

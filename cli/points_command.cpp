@@ -51,17 +51,18 @@ class Answering {
     const std::size_t count = block.size();
     if (asked_.needs_closest()) {
       block.closest.resize(count);
-      query_.closest(block.points, block.closest, execution_, progress);
+      query_.closest(block.points, block.closest, {.execution = execution_, .progress = progress});
     } else {
       block.distances.resize(count);
-      query_.distances(block.points, block.distances, execution_, progress);
+      query_.distances(block.points, block.distances, {.execution = execution_, .progress = progress});
     }
     if (asked_.gradient)
       for (std::size_t n = 0; n < count; ++n)
         block.gradients.push_back(query_.gradient(block.points[n], block.closest[n]));
     if (asked_.winding) {
       block.windings.resize(count);
-      query_.winding_numbers(block.points, block.windings, {.threads = execution_.threads}, progress);  // the CPU's
+      query_.winding_numbers(block.points, block.windings,
+                             {.execution = {.threads = execution_.threads}, .progress = progress});  // the CPU's
     }
     for (const std::size_t n : invalid) put_nothing(block, n);
     count_block(block, static_cast<std::int64_t>(invalid.size()));
@@ -86,7 +87,8 @@ class Answering {
     block.points[n] = nothing;
     if (!block.distances.empty()) block.distances[n] = kNan;
     if (!block.closest.empty())
-      block.closest[n] = {.distance = kNan, .point = nothing, .triangle = kNoTriangle, .weights = {kNan, kNan, kNan}};
+      block.closest[n] = {
+          .distance = kNan, .point = nothing, .triangle = kNoTriangle, .barycentric = {kNan, kNan, kNan}};
     if (!block.gradients.empty()) block.gradients[n] = nothing;
     if (!block.windings.empty()) block.windings[n] = kNan;
   }
@@ -147,7 +149,7 @@ PointCounts answer_points(const MeshQuery& query, PointReader& reader, AnswerWri
 
 constexpr const char* kPointsExamples =
     R"(  standoff points bunny.obj points.csv                         a distance for each line, on stdout
-  standoff points part.stl cloud.ply -o near.ply --sign auto   negative inside; the cloud with answers
+  standoff points part.stl cloud.ply -o near.ply --sign none   without a sign; the cloud with answers
   standoff points part.stl points.npy -o near.npz --with closest,triangle
   producer | standoff points part.query - -o near.csv              a query that standoff build prepared
 )";
@@ -160,7 +162,7 @@ struct PointsCommand {
   Thickness shell{0};
   AskedAnswers asked;
   InvalidPoints invalid = InvalidPoints::reject;
-  bool skip_invalid = false;
+  bool skip_invalid = false, sign_given = false;
   Console console;
 
   void add_to(CLI::App& verb);
@@ -206,7 +208,7 @@ void PointsCommand::add_to(CLI::App& verb) {
 // Checks the arguments before any work.
 void PointsCommand::check() {
   check_input(mesh.name());
-  if (prepared_before() && (mesh.scaled() || is_given(options.sign)))
+  if (prepared_before() && (mesh.scaled() || sign_given))
     throw Error(ErrorCode::usage,
                 mesh.name() + ": a query has its scale and sign; give these options to standoff build");
   if (points != "-") check_input(points);
@@ -224,7 +226,7 @@ void PointsCommand::check() {
 
 MeshQuery PointsCommand::query() const {
   if (prepared_before())
-    return with_spinner(console, "reading " + mesh.name(), [&] { return read_query(mesh.name()); });
+    return with_spinner(console, "reading " + mesh.name(), [&] { return MeshQuery::load(mesh.name()); });
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   console.say(mesh_line(mesh.name(), loaded));
   try {
@@ -281,7 +283,10 @@ void add_points(CLI::App& program) {
       add_verb(program, "points", "exact distances and closest points at the points of a file", kPointsExamples);
   const auto command = std::make_shared<PointsCommand>();
   command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  verb->callback([command, verb] {
+    command->sign_given = is_sign_given(*verb);
+    command->run();
+  });
 }
 
 }  // namespace standoff::cli

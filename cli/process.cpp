@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <new>
 #include <string>
 
@@ -150,15 +149,6 @@ int exit_code_of(const std::function<void()>& run) {
     return fail(ErrorCode::internal,
                 "internal: " + std::string(error.what()) + "; this is a bug in standoff, please report it");
   }
-}
-
-std::int64_t default_memory_limit() {
-  constexpr double kShare = 0.8;
-  double bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
-  // A container's limit, for control groups of version 2 and 1. No limit reads as "max" or as a huge number.
-  for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
-    if (double limit = 0; std::ifstream(file) >> limit && limit > 0) bytes = std::min(bytes, limit);
-  return static_cast<std::int64_t>(bytes * kShare);
 }
 
 std::int64_t peak_memory_bytes() {

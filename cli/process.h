@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The process: signals end it without leaving anything half-written, exceptions become exit codes, and how much memory
-// it has.
+// it took.
 #pragma once
 
 #include <cstdint>
@@ -43,9 +43,6 @@ bool is_line_drawn();
 /// Runs the program and returns its exit code: 0, or what ErrorCode says for an exception, after one line on stderr of
 /// the form `standoff: error: what; what to do`.
 int exit_code_of(const std::function<void()>& run);
-
-/// 80 % of the machine's memory, or of the control group's limit where that is smaller.
-std::int64_t default_memory_limit();
 
 /// The most memory this process has held at any time.
 std::int64_t peak_memory_bytes();

@@ -180,10 +180,10 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
            .within = layers.within ? layers.within->world(spacing) : (is_full ? 2 * spacing : field.thickness())});
     if (layers.boxes) drawing_.boxes.push_back({.box = field.grid().bounds()});
     if (!layers.iso && !(alone && has_sign)) continue;
-    IsoOptions options;
+    SurfaceOptions options;
     options.memory_limit = memory_limit();
     options.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing);
-    surfaces_.push_back(isosurface(field, options).mesh);
+    surfaces_.push_back(surface(field, options).mesh);
     normals_.emplace_back(surfaces_.back().vertices.size());
     if (surfaces_.back().triangles.empty() && layers.chosen)
       throw Error(ErrorCode::usage, "--iso " + number(options.at) +

@@ -34,10 +34,9 @@ struct SweepCommand {
 void SweepCommand::run_batch() {
   batch.check({bodies.name_a(), bodies.name_b()});
   const std::vector<RigidMotion> motions = read_motions(batch.file(), motion.center);
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
-  const auto found = batch.answers(console, motions.size(), [&](BatchReport& report) {
-    return sweep_all(a, bodies.pose_a(), b, motions, options, batch.execution(), &report);
-  });
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
+  const auto found = batch.answers(
+      console, motions.size(), [&] { return sweep_all(a, bodies.pose_a(), b, motions, options, batch.execution()); });
   Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
   std::int64_t hits = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
@@ -60,7 +59,7 @@ void SweepCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   if (!has_end) throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --motions with a file");
-  const CollisionModel a = bodies.read_a(console), b = bodies.read_b(console);
+  const Body a = bodies.read_a(console), b = bodies.read_b(console);
   const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
   if (console.json()) {
     Json json = json_answer("sweep");
@@ -84,8 +83,9 @@ void add_sweep(CLI::App& program) {
   const auto command = std::make_shared<SweepCommand>();
   command->bodies.add_to(*verb);
   RigidMotion& motion = command->motion;
-  auto* from = add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.from);
-  auto* to = add_pose(*verb, "--to", "where B ends; it turns by the shorter rotation", motion.to);
+  auto* from =
+      add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.start);
+  auto* to = add_pose(*verb, "--to", "where B ends; it turns by the shorter rotation", motion.end);
   add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that moves on a straight line (default 0,0,0)", "Place"},
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},

@@ -30,7 +30,7 @@ void parse(CLI::App& program, int argc, char** argv);
   ROW(verify)               \
   ROW(generate)             \
   ROW(convert)              \
-  ROW(iso)                  \
+  ROW(surface)              \
   ROW(points)               \
   ROW(crossings)            \
   ROW(voxels)               \

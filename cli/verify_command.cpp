@@ -33,7 +33,7 @@ std::int64_t count_wrong(const FieldFile& file, MeshView mesh, const Execution& 
   for (const SidecarKind kind : kSidecarKinds)
     for (const Sidecar& stored : file.sidecars) {
       if (stored.name != name_of(kind)) continue;
-      const Sidecar right = std::move(sidecars(mesh, file.field, {&kind, 1}, execution)[0]);
+      const Sidecar right = std::move(sidecars(mesh, file.field, {&kind, 1}, {.execution = execution})[0]);
       const auto compare = [&]<class Number>(const std::vector<Number>& numbers) {
         const auto* const others = std::get_if<std::vector<Number>>(&right.values);
         const auto width = static_cast<std::size_t>(right.components);

@@ -82,13 +82,12 @@ void ViewCommand::add_to(CLI::App& verb) {
   add("--most-triangles", "N", "simplify meshes that have more triangles (default 5000000)",
       [this](S o, S t) { page.most_triangles = parse_count(o, t, 1000, 50'000'000); });
   verb.add_flag("--no-field", no_field, "compute no field for a mesh that comes without one")->group("Page");
-  compute_options.sign.method = SignMethod::automatic;
   grid.add_to(verb);
   add_sign_to(
       verb, takes_no_shell,
       "how inside is decided, as in standoff compute: " + sign_names(takes_no_shell, compute_options.sign.method),
       compute_options.sign);
-  verb.add_flag("--nearest", compute_options.nearest_triangle, "keep which triangle is nearest to each sample")
+  verb.add_flag("--nearest", compute_options.nearest, "keep which triangle is nearest to each sample")
       ->group("Sign");
   add_device(verb, "Work", compute_options.execution.backend, compute_options.execution.device);
   add_threads(verb, "Work", compute_options.execution.threads);
@@ -156,10 +155,10 @@ void ViewCommand::serve(Subject subject) {
 // Refuses options that would have no effect. Errors: usage.
 void ViewCommand::check_options() const {
   if (output.given()) return server.check_unused("with -o nothing is served");
-  const char* const option = grid.shape_given()                 ? "--size, --spacing, --bounds and --padding"
-                             : compute_options.nearest_triangle ? "--nearest"
-                             : console.json()                   ? "--json"
-                                                                : nullptr;
+  const char* const option = grid.shape_given()        ? "--size, --spacing, --bounds and --padding"
+                             : compute_options.nearest ? "--nearest"
+                             : console.json()          ? "--json"
+                                                       : nullptr;
   if (option)
     throw Error(ErrorCode::usage,
                 std::string(option) + ": only for pages that are written; give -o PAGE, or leave it out");

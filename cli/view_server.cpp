@@ -182,7 +182,7 @@ void ViewServer::upload(const Request& request, Reply& reply) {
   Mesh mesh = [&] {
     const TempFile file(mesh_suffix(name), request.body);
     try {
-      return read_mesh(file.path());
+      return read_mesh(file.path()).mesh;
     } catch (const Error& error) {
       // The file is the user's by its own name alone.
       std::string text = error.what();

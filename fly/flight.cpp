@@ -15,7 +15,7 @@
 namespace standoff::fly {
 namespace {
 
-FlightOptions inside(const CollisionModel& walls, FlightOptions options) {
+FlightOptions inside(const Body& walls, FlightOptions options) {
   options.bounds = walls.bounds();
   return options;
 }
@@ -32,8 +32,7 @@ void check(const FlightControls& controls) {
 
 }  // namespace
 
-Flight::Flight(const CollisionModel& walls, const CollisionModel& flier, const FlightOptions& options,
-               std::int64_t bodies)
+Flight::Flight(const Body& walls, const Body& flier, const FlightOptions& options, std::int64_t bodies)
     : world_(flier, inside(walls, options)), box_(walls.bounds()), middle_(flier.bounds().center()) {
   world_.add(walls);
   controls_ = {options.mode, options.on_contact, options.speed, bodies, 60};

@@ -47,7 +47,7 @@ inline constexpr double kMostSteps = 100'000;
 class Flight {
  public:
   /// Bodies start at random places in the walls' box. Errors: as World.
-  Flight(const CollisionModel& walls, const CollisionModel& flier, const FlightOptions& options, std::int64_t bodies);
+  Flight(const Body& walls, const Body& flier, const FlightOptions& options, std::int64_t bodies);
 
   const FlightControls& controls() const { return controls_; }
   /// Errors: usage; input (no room for so many); the flight goes on as before.

@@ -63,17 +63,18 @@ const char* name_of(FlightMode mode) { return mode == FlightMode::thesis ? "thes
 
 double far_of(const FlightSubject& subject) { return subject.fly.bounds().longest_side() * 1.5; }
 
-FlightSubject flight_subject(std::string walls_name, const CollisionModel& walls, const CollisionModel& flier,
+FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier,
                              int threads) {
   const Box box = flier.bounds();
   FlightSubject subject{std::move(walls_name), walls, flier, {}, kShellShare * box.longest_side()};
   if (!(subject.shell_distance > 0)) return subject;
   ComputeOptions compute_options;
+  compute_options.sign = {SignMethod::none};
   compute_options.execution.threads = threads;
   const Padding padding{.length = 1.2 * subject.shell_distance};
-  const Grid grid = fit_samples(box, kShellSamples, padding);
+  const Grid grid = fit_resolution(box, kShellSamples, padding);
   const DistanceField field = compute(flier.mesh(), grid, kFullField, compute_options).field;
-  subject.shell = isosurface(field, {.at = subject.shell_distance}).mesh;
+  subject.shell = surface(field, {.at = subject.shell_distance}).mesh;
   return subject;
 }
 

@@ -16,13 +16,13 @@ namespace standoff::fly {
 /// What a flight is drawn with.
 struct FlightSubject {
   std::string walls_name;
-  CollisionModel walls, fly;
+  Body walls, fly;
   Mesh shell;  ///< a surface of the fly's field, around it
   double shell_distance = 0;
 };
 
 /// The shell is as far from the fly as a quarter of its box's longest side.
-FlightSubject flight_subject(std::string walls_name, const CollisionModel& walls, const CollisionModel& flier,
+FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier,
                              int threads);
 
 /// From how far on a wall is shown as far, world units.

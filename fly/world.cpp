@@ -33,7 +33,7 @@ namespace standoff::fly {
 // All that a world holds.
 struct World::State {
   struct Resting {
-    CollisionModel model;
+    Body model;
     Pose pose;
     double tolerance;                    // of sweeps; fliers start twice as far away
     std::optional<DistanceField> field;  // thesis mode
@@ -41,7 +41,7 @@ struct World::State {
     std::optional<MeshQuery> query;  // of the model's mesh, once distances were asked for
   };
 
-  CollisionModel flier;
+  Body flier;
   FlightOptions options;
   std::vector<Resting> resting;
   std::vector<Flier> fliers;
@@ -51,7 +51,7 @@ struct World::State {
   // Compute what the options need of the moving body and of a resting one. An existing check is kept.
   void prepare();
   void prepare(Resting& body) const;
-  DistanceField thesis_field(const CollisionModel& model) const;
+  DistanceField thesis_field(const Body& model) const;
 
   void step(Flier& it) const;
   bool leaves_bounds(const Pose& pose) const;
@@ -80,9 +80,10 @@ void check_options(const FlightOptions& o) {
 
 }  // namespace
 
-DistanceField World::State::thesis_field(const CollisionModel& model) const {
+DistanceField World::State::thesis_field(const Body& model) const {
   const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
   ComputeOptions compute_options;
+  compute_options.sign = {SignMethod::none};
   compute_options.execution.threads = options.threads;
   return compute(model.mesh(), grid, options.thickness, compute_options).field;
 }
@@ -133,12 +134,12 @@ void World::wall_distances(std::span<double> out) {
   const Vec3 middle = state_->flier.bounds().center();
   for (State::Resting& body : state_->resting) {
     if (!body.query)
-      body.query.emplace(body.model.mesh(), MeshQueryOptions{.execution = {.threads = state_->options.threads}});
+      body.query.emplace(body.model.mesh(), MeshQueryOptions{.sign = {SignMethod::none}, .execution = {.threads = state_->options.threads}});
     for (std::size_t n = 0; n < points.size(); ++n)
       points[n] = apply_inverse(body.pose, apply(state_->fliers[n].pose, middle));
     // One by one: points far from each other have no triangles in common, and are slow to ask for together.
     for (std::size_t n = 0; n < points.size(); ++n) {
-      body.query->distances({&points[n], 1}, {&distances[n], 1}, {.threads = 1});
+      body.query->distances({&points[n], 1}, {&distances[n], 1}, {.execution = {.threads = 1}});
       out[n] = std::min(out[n], distances[n]);
     }
   }
@@ -240,7 +241,7 @@ void World::State::step(Flier& it) const {
   it.pose = next;
 }
 
-World::World(const CollisionModel& flier, const FlightOptions& options)
+World::World(const Body& flier, const FlightOptions& options)
     : state_(new State{flier, options, {}, {}, {}, {}}) {
   check_options(options);
   state_->prepare();
@@ -248,7 +249,7 @@ World::World(const CollisionModel& flier, const FlightOptions& options)
 
 World::~World() = default;
 
-void World::add(const CollisionModel& body, const Pose& pose) {
+void World::add(const Body& body, const Pose& pose) {
   validate(pose);
   State::Resting resting{body, pose, 0, {}, {}, {}};
   state_->prepare(resting);

@@ -60,13 +60,13 @@ struct Flier {
 class World {
  public:
   /// Errors: usage (options), input.
-  World(const CollisionModel& flier, const FlightOptions& options);
+  World(const Body& flier, const FlightOptions& options);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
   ~World();
 
   /// Adds a resting body. Errors: usage (pose).
-  void add(const CollisionModel& body, const Pose& pose = {});
+  void add(const Body& body, const Pose& pose = {});
   /// Adds a moving body at a random pose inside `box` that touches no resting body, rotated about the vertical, with a
   /// random direction. The random numbers of the n-th body depend only on n and the seed. Errors: input if 10,000 tries
   /// find no free pose.
@@ -95,7 +95,7 @@ class World {
   using Visit = std::function<void(std::size_t flier, std::int64_t step, const Pose& pose)>;
   void run(std::int64_t steps, const Visit& visit = {});
 
-  /// The grid of the n-th resting body: in thesis mode that of its field, in sweep mode that of its model.
+  /// The grid of the n-th resting body: in thesis mode that of its field, in sweep mode that of its body.
   Grid grid(std::size_t n) const;
 
  private:

@@ -11,7 +11,7 @@ from headers import Entity, Header, read_header
 # The order of the pages is that of a reader who begins; headers that are not named follow by name.
 FIRST = [
     "mesh", "io", "grid", "compute", "field", "sign", "mesh_report", "points", "surface", "collision", "pose", "sidecars",
-    "hermite", "voxels", "occupancy", "confidence", "verify", "slice", "picture", "inspect", "execution", "progress",
+    "crossings", "voxels", "occupancy", "confidence", "verify", "slice", "picture", "inspect", "execution", "progress",
     "error", "cuda", "vec", "mesh_view",
 ]  # fmt: skip
 

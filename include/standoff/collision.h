@@ -27,58 +27,59 @@
 namespace standoff {
 
 namespace collision {
-struct ModelData;
-struct ModelAccess;
+struct BodyData;
+struct BodyAccess;
 }  // namespace collision
 
-/// The sizes that a model's mesh may have: the longest side of its box, world units. Single precision carries such
+/// The sizes that a body's mesh may have: the longest side of its box, world units. Single precision carries such
 /// lengths and their squares. A mesh that is a single point has size 0, and is valid too.
-inline constexpr double kMinModelSize = 1e-12, kMaxModelSize = 1e12;
+inline constexpr double kMinBodySize = 1e-12, kMaxBodySize = 1e12;
 /// The largest margin and sweep tolerance, world units.
 inline constexpr double kMaxMargin = 1e30;
 
-struct ModelOptions {
-  double spacing = 0;        ///< spacing of the model's fine field, world units; 0: chosen from the mesh
-  Execution execution = {};  ///< where the model is built; its fields may be computed on a GPU
+struct BodyOptions {
+  double spacing = 0;        ///< spacing of the body's fine field, world units; 0: chosen from the mesh
+  Execution execution = {};  ///< where the body is built; its fields may be computed on a GPU
   ProgressCallback progress = {};
 };
 
 /// A body prepared for queries: its mesh, a sparse distance field near the surface, a coarse one around it (signed if
 /// the mesh is closed), and a bounding volume hierarchy (BVH) of the triangles. Copies share the data and are cheap. A
-/// moved-from model stays usable. Many threads may use a model at the same time.
-class STANDOFF_API CollisionModel {
+/// moved-from body stays usable. Many threads may use a body at the same time.
+class STANDOFF_API Body {
  public:
-  /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside kMinModelSize
-  /// to kMaxModelSize, or a box whose centre has a coordinate beyond kMaxPosition), usage (options), limit (memory, or
+  /// Copies the mesh, and builds the fields and the BVH. Errors: input (an invalid mesh, a size outside kMinBodySize
+  /// to kMaxBodySize, or a box whose centre has a coordinate beyond kMaxPosition), usage (options), limit (memory, or
   /// a field of too many samples), interrupted.
-  explicit CollisionModel(MeshView mesh, const ModelOptions& options = {});
-  // There are no moves, because they would leave an empty model behind.
-  CollisionModel(const CollisionModel&) = default;
-  CollisionModel& operator=(const CollisionModel&) = default;
-  ~CollisionModel() = default;
+  explicit Body(MeshView mesh, const BodyOptions& options = {});
+  // There are no moves, because they would leave an empty body behind.
+  Body(const Body&) = default;
+  Body& operator=(const Body&) = default;
+  ~Body() = default;
 
-  /// The mesh the model was built from.
+  /// The mesh the body was built from.
   MeshView mesh() const;
   Box bounds() const;
   /// The grid of the fine field, and its thickness; world units.
   Grid grid() const;
   double thickness() const;
-  /// Whether the mesh is closed and consistently oriented: each edge is used as often in one direction as in the other.
-  /// Its inside is then where its winding number is positive, as by SignMethod::winding with SignOptions::as_oriented,
-  /// and its fields have a sign. A mesh that is turned inside out has nothing inside.
-  bool closed() const;
-  /// Bytes of the model's arrays: mesh, fields and BVH. Copies of the model share them. Copies on GPUs are not counted.
+  /// Whether the body has an inside that is known: its mesh is closed as it is oriented, each edge used as often in one
+  /// direction as in the other. The inside is then where the winding number is positive, as by SignMethod::winding with
+  /// SignOptions::as_oriented, and the fields have a sign. A mesh that is turned inside out has nothing inside. Unlike
+  /// MeshReport::closed() nothing is repaired before.
+  bool has_inside() const;
+  /// Bytes of the body's arrays: mesh, fields and BVH. Copies of the body share them. Copies on GPUs are not counted.
   std::int64_t memory_bytes() const;
 
-  /// Writes the model; the file appears whole or not at all. Errors: output.
+  /// Writes the body; the file appears whole or not at all. Errors: output.
   void save(const std::filesystem::path& path, Existing existing = Existing::replace) const;
-  /// Reads a model that save() wrote. Errors: input (a damaged file, or one of another kind), limit.
-  static CollisionModel load(const std::filesystem::path& path);
+  /// Reads a body that save() wrote. Errors: input (a damaged file, or one of another kind), limit.
+  static Body load(const std::filesystem::path& path);
 
  private:
-  friend struct collision::ModelAccess;
-  explicit CollisionModel(std::shared_ptr<const collision::ModelData> data) : data_(std::move(data)) {}
-  std::shared_ptr<const collision::ModelData> data_;
+  friend struct collision::BodyAccess;
+  explicit Body(std::shared_ptr<const collision::BodyData> data) : data_(std::move(data)) {}
+  std::shared_ptr<const collision::BodyData> data_;
 };
 
 enum class CollideMode {
@@ -91,8 +92,8 @@ enum class Verdict { free, hit, ambiguous };
 struct CollideOptions {
   double margin = 0;  ///< bodies within this distance are a hit; world units, 0 to kMaxMargin
   CollideMode mode = CollideMode::exact;
-  /// Whether a body inside a closed one is a hit too. At least one of the bodies must be closed; nothing is ever inside
-  /// one that is not. Only for CollideMode::exact.
+  /// Whether a body inside the other one is a hit too. At least one of the bodies must have an inside (has_inside());
+  /// nothing is ever inside one that has none. Only for CollideMode::exact.
   bool containment = false;
 };
 
@@ -116,9 +117,9 @@ struct CollisionResult {
 };
 
 /// Whether the bodies intersect (docs/collide.md). Errors of all queries: usage, for poses that are not rigid or not
-/// finite, and for options. With `containment`, input if neither body is closed.
-STANDOFF_API CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                     const Pose& pose_b, const CollideOptions& options = {});
+/// finite, and for options. With `containment`, input if neither body has an inside.
+STANDOFF_API CollisionResult collide(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                     const CollideOptions& options = {});
 
 struct DistanceOptions {
   double tolerance = 0;  ///< the largest allowed upper - lower, apart from rounding; world units, not negative
@@ -137,8 +138,8 @@ struct DistanceResult {
 /// The least distance between the surfaces (docs/distance.md). upper - lower <= tolerance + 1e-6 * (size of
 /// the bodies). With tolerance 0, `upper` is the least distance over all pairs of triangles, within 32 * 2^-53 of the
 /// longest side of the box around the pair. Errors: as collide.
-STANDOFF_API DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                     const Pose& pose_b, const DistanceOptions& options = {});
+STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                     const DistanceOptions& options = {});
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< the largest number of contacts to report; at least 1
@@ -164,14 +165,14 @@ struct ContactResult {
 };
 
 /// The pairs of triangles that intersect or are within the margin (docs/contacts.md). Errors: as collide; limit.
-STANDOFF_API ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                    const Pose& pose_b, const ContactOptions& options = {});
+STANDOFF_API ContactResult contacts(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                    const ContactOptions& options = {});
 
 /// A rigid motion during time 0 to 1, between two poses: the body's point `center` moves on a straight line with
 /// constant velocity, and the body turns about an axis through it with constant angular velocity. The rotation between
 /// the two poses is the shorter one (at most 180 degrees); split longer rotations.
 struct RigidMotion {
-  Pose from, to;
+  Pose start, end;
   Vec3 center;  ///< a point of the body, in body coordinates; no coordinate is beyond kMaxPosition
 };
 
@@ -187,7 +188,7 @@ struct SweepOptions {
 
 /// The default tolerance of a sweep: 2^-15 (3e-5) of the longest side of the smaller body's box, but at least 2^-40
 /// (1e-12) of the larger body's. For bodies of size 3 this is 1e-4. World units.
-STANDOFF_API double automatic_tolerance(const CollisionModel& a, const CollisionModel& b);
+STANDOFF_API double automatic_tolerance(const Body& a, const Body& b);
 
 struct SweepResult {
   bool hit = false;
@@ -204,8 +205,8 @@ struct SweepResult {
 /// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
 /// may be a hit. If they start within the tolerance without touching and then separate, it is not a hit. Errors: as
 /// collide; usage also for motions some 1e14 times as long as the bodies, for which rounding of the time is too large.
-STANDOFF_API SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                               const RigidMotion& motion, const SweepOptions& options = {});
+STANDOFF_API SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                               const SweepOptions& options = {});
 
 /// How the queries of a batch were decided.
 struct BatchReport {
@@ -220,28 +221,33 @@ struct BatchReport {
   std::int64_t overflowed = 0;  ///< queries left to the CPU because the device's lists were too short
 };
 
-/// collide() for many poses of b; the results have the order of the poses. Verdicts do not depend on the backend; if
-/// several pairs of triangles intersect, a GPU may report another one. Copies of the models stay on the GPU until the
-/// models are destroyed. Certified queries run on the CPU only. Errors: as collide; usage also for `execution` and for
+/// The results of a batch, in the order of the poses or motions.
+template <class Result>
+struct BatchResult {
+  std::vector<Result> results;
+  BatchReport report;
+};
+
+/// collide() for many poses of b. Verdicts do not depend on the backend; if
+/// several pairs of triangles intersect, a GPU may report another one. Copies of the bodies stay on the GPU until the
+/// bodies are destroyed. Certified queries run on the CPU only. Errors: as collide; usage also for `execution` and for
 /// certified queries on a GPU; device (there is no GPU, or it failed); limit (the GPU has too little memory).
-STANDOFF_API std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a,
-                                                      const CollisionModel& b, std::span<const Pose> poses_b,
-                                                      const CollideOptions& options = {},
-                                                      const Execution& execution = {}, BatchReport* report = nullptr);
-/// distance() for many poses of b, in their order. Runs on the CPU; any other backend is Error{usage}.
-STANDOFF_API std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a,
-                                                      const CollisionModel& b, std::span<const Pose> poses_b,
+STANDOFF_API BatchResult<CollisionResult> collide_all(const Body& a, const Pose& pose_a, const Body& b,
+                                                      std::span<const Pose> poses_b, const CollideOptions& options = {},
+                                                      const Execution& execution = {});
+/// distance() for many poses of b. Runs on the CPU; any other backend is Error{usage}.
+STANDOFF_API BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, const Body& b,
+                                                      std::span<const Pose> poses_b,
                                                       const DistanceOptions& options = {},
                                                       const Execution& execution = {});
-/// contacts() for many poses of b, in their order. Runs on the CPU; any other backend is Error{usage}.
-STANDOFF_API std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a,
-                                                     const CollisionModel& b, std::span<const Pose> poses_b,
-                                                     const ContactOptions& options = {},
+/// contacts() for many poses of b. Runs on the CPU; any other backend is Error{usage}.
+STANDOFF_API BatchResult<ContactResult> contacts_all(const Body& a, const Pose& pose_a, const Body& b,
+                                                     std::span<const Pose> poses_b, const ContactOptions& options = {},
                                                      const Execution& execution = {});
-/// sweep() for many motions, in their order. A GPU finds motions that are certainly free; the CPU sweeps the others, so
+/// sweep() for many motions. A GPU finds motions that are certainly free; the CPU sweeps the others, so
 /// results do not depend on the backend. Errors: as sweep; usage also for `execution`; device, limit.
-STANDOFF_API std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+STANDOFF_API BatchResult<SweepResult> sweep_all(const Body& a, const Pose& pose_a, const Body& b,
                                                 std::span<const RigidMotion> motions, const SweepOptions& options = {},
-                                                const Execution& execution = {}, BatchReport* report = nullptr);
+                                                const Execution& execution = {});
 
 }  // namespace standoff

@@ -12,6 +12,7 @@
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
+#include "standoff/memory.h"
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
 #include "standoff/sign.h"
@@ -59,15 +60,13 @@ struct SkipRule {
 struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip = {};
-  /// By default values have no sign. The memory limit counts what closed meshes need, and diagnosing others; not the
-  /// holes of open meshes, floods and pseudonormals (docs/sign.md, "Limits").
+  /// By default values inside are negative, if the mesh has an inside. The memory limit counts what closed meshes need,
+  /// and diagnosing others; not the holes of open meshes, floods and pseudonormals (docs/sign.md, "Limits").
   SignOptions sign = {};
   Execution execution = {};
-  std::int64_t memory_limit = 0;  ///< bytes of output and scratch memory together; 0: no limit
-  /// Bytes for each sample that the output stores, which the caller will keep beside it: sidecars, by
-  /// bytes_per_sample(). The memory limit and memory_needed() count them; nothing else does.
-  std::int64_t bytes_beside = 0;
-  bool nearest_triangle = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
+  /// Bytes of output and scratch memory together. 0: default_memory_limit(); negative: no limit.
+  std::int64_t memory_limit = 0;
+  bool nearest = false;  ///< also store the nearest triangle's index per band sample, lowest on ties
   /// Also store the mesh's hash in the field's provenance, so that verify() and readers of the field's file can detect
   /// that a mesh is not the field's. Costs one pass over the mesh. compute_into dense memory stores no provenance.
   bool hash_mesh = true;
@@ -120,21 +119,37 @@ inline ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickn
   return compute_into(mesh, grid, thickness, values, {}, options);
 }
 
-/// Like compute(), but into an existing field, whose content is replaced. The memory of its tiles is reused, unless
-/// there is a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time.
+/// Like compute(), but into an existing field, whose content is replaced. The memory of its tiles is reused, unless the
+/// options name a memory limit. Use it when computing many fields: allocation can take a third of a thin band's time.
 /// `grid` may be the field's own. Errors: as compute; the field is then unchanged or empty.
 STANDOFF_API ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, DistanceField& field,
                                         const ComputeOptions& options = {});
 
-/// An upper bound of the bytes that compute (dense = false) or compute_into (dense = true) needs besides the mesh.
-/// These functions compare it with the memory limit (docs/tiles.md, Memory). Only tiles that the grown box of some
-/// triangle intersects are counted. Takes one pass over the triangles. Errors: usage (grid, thickness, options), input
-/// (mesh), limit (mesh), device.
-STANDOFF_API std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness,
-                                        const ComputeOptions& options = {}, bool dense = false);
-/// The same bound for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted. The
-/// result is at most 2^62.
-STANDOFF_API std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness,
-                                        const ComputeOptions& options = {}, bool dense = false);
+/// How many samples a slab of SlabComputation (standoff/slabs.h) has where the caller names no number. On grids of up
+/// to 2048 x 2048 samples per slice the values of such a slab take at most 256 MiB; of a thin band, of which few tiles
+/// are stored, a small part of that.
+inline constexpr std::int64_t kSlabSamples = std::int64_t{1} << 26;
+
+/// Upper bounds of what a computation takes besides the mesh, bytes, at most 2^62 each. The calls compare them with the
+/// memory limit (docs/tiles.md, Memory).
+struct MemoryEstimate {
+  std::int64_t whole = 0;  ///< compute(), and compute_into() a field
+  std::int64_t dense = 0;  ///< compute_into() the caller's memory, which is counted
+  /// SlabComputation. It does not look at what the mesh is like: where SignMethod::automatic finds that only a flood
+  /// tells its inside, which needs the whole grid at once, SlabComputation takes `whole`.
+  std::int64_t slabs = 0;
+  /// Samples of the tiles that a whole field may store. Whatever is kept for each of them beside the field, such as
+  /// sidecars by bytes_per_sample(), takes this many times its bytes.
+  std::int64_t stored_samples = 0;
+};
+
+/// Counts only tiles that the grown box of some triangle intersects. Takes a pass or two over the triangles.
+/// `slab_samples`: as for SlabComputation. Errors: usage (grid, thickness, options, slab_samples), input (mesh), limit
+/// (mesh), device.
+STANDOFF_API MemoryEstimate estimate(MeshView mesh, const Grid& grid, double thickness,
+                                     const ComputeOptions& options = {}, std::int64_t slab_samples = kSlabSamples);
+/// The same for any mesh of `triangles` triangles, 1 to kMaxTriangles: every tile of the grid is counted.
+STANDOFF_API MemoryEstimate estimate(std::int64_t triangles, const Grid& grid, double thickness,
+                                     const ComputeOptions& options = {}, std::int64_t slab_samples = kSlabSamples);
 
 }  // namespace standoff

@@ -23,17 +23,23 @@ struct SignConfidence {
   double flood_disagrees = 0;  ///< a flood from outside says otherwise than the field; cavities count too
 };
 
+struct ConfidenceOptions {
+  /// How inside is decided; of all that it says only `as_oriented` matters, and only to winding_margins(): margins are
+  /// those of SignMethod::winding.
+  SignOptions sign = {};
+  Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
+};
+
 /// The distance of each sample's winding number from the next threshold, an odd half, x fastest: 0.5 where it is an
 /// integer, as everywhere around a closed mesh; 0 where the sides cannot be told apart. Off by 1e-3 at most. The mesh
 /// is oriented as for SignMethod::winding. Takes a float per sample; in open meshes the time of a search in the tree of
 /// holes per sample. Runs on the CPU. Errors: input (mesh), usage (grid, execution), limit, interrupted.
-STANDOFF_API std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOptions& sign = {},
-                                                const Execution& execution = {}, const ProgressCallback& progress = {});
+STANDOFF_API std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const ConfidenceOptions& options = {});
 
 /// Examines the sign of a field of this mesh. `margins` are winding_margins() of its grid. Takes 2 bits per sample and
 /// what a flood takes. Runs on the CPU. Errors: as winding_margins; usage also for margins of another length.
 STANDOFF_API SignConfidence sign_confidence(MeshView mesh, const DistanceField& field,
-                                            const std::vector<float>& margins, const Execution& execution = {},
-                                            const ProgressCallback& progress = {});
+                                            const std::vector<float>& margins, const ConfidenceOptions& options = {});
 
 }  // namespace standoff

@@ -27,19 +27,24 @@ struct OnStream {
   std::span<const Stream> after = {};  ///< other streams that write these arrays; they are waited for first
 };
 
-/// The box around all triangles of a mesh whose arrays lie in device memory. The pointers of the view are device
-/// pointers; numbers must be aligned. Errors: usage (alignment, no triangle, a backend that is not a GPU's), input (the
-/// first triangle with an index out of range or a corner that is not finite), device, limit (device memory).
-STANDOFF_API Box bounds(const MeshView& mesh, const OnStream& on = {});
+/// The answer for one of several meshes, or the error that the same call with this mesh alone would give.
+template <class Answer>
+using OrError = std::variant<Answer, Error>;
 
-/// compute_into() for a mesh in device memory and values there: one float per sample, x fastest. The values have the
-/// same bits, and no sign. It returns when they are written. Packed doubles and packed indices of 32 bits are used
-/// where they lie, other layouts are copied on the device. Errors: as bounds; usage also for the grid, the thickness
-/// and values that are null; limit also for a mesh too far from the grid (docs/tiles.md, Domain).
-STANDOFF_API ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values,
-                                        Method method, const OnStream& on = {});
+/// The answer; throws the error that is in its place.
+template <class Answer>
+Answer value_or_throw(const OrError<Answer>& answer) {
+  if (const Error* const error = std::get_if<Error>(&answer)) throw *error;
+  return std::get<Answer>(answer);
+}
 
-/// A field to compute of a mesh in device memory: arguments of compute_into().
+/// The boxes around all triangles of meshes whose arrays lie in device memory, in their order. The pointers of the
+/// views are device pointers; numbers must be aligned. It allocates once and waits once. Errors among the answers:
+/// usage (alignment, no triangle), input (the first triangle with an index out of range or a corner that is not
+/// finite), limit (device memory). Errors thrown: usage (a backend that is not a GPU's), device.
+STANDOFF_API std::vector<OrError<Box>> bounds_of_each(std::span<const MeshView> meshes, const OnStream& on = {});
+
+/// A field to compute of a mesh in device memory, into values there.
 struct FieldRequest {
   MeshView mesh;
   Grid grid;
@@ -48,19 +53,15 @@ struct FieldRequest {
   Method method = Method::tiles;
 };
 
-/// The answer for one of several meshes, or the error that the same call with this mesh alone would throw.
-template <class Answer>
-using OrError = std::variant<Answer, Error>;
-
-/// bounds() of many meshes, in their order. It allocates once and waits once. Errors of a mesh are among the answers.
-/// Errors thrown: usage (a backend that is not a GPU's), device.
-STANDOFF_API std::vector<OrError<Box>> bounds_of_each(std::span<const MeshView> meshes, const OnStream& on = {});
-
-/// compute_into() for many meshes, whose fields are computed by one enqueue() of all; the reports are in their order.
-/// It waits twice, and again for those whose triangle lists did not fit, which are computed anew. Copies of meshes lie
-/// in one piece of memory; the fields share one workspace, as large as the largest of them needs. If that does not fit
-/// into device memory, halves of them are computed one after the other. Errors of a mesh are among the answers, and the
-/// other fields are computed. Errors thrown: as bounds_of_each; after one, any values may have been written.
+/// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the
+/// same bits, and no sign. It returns when they are written. Packed doubles and packed indices of 32 bits are used
+/// where they lie, other layouts are copied on the device. The fields are computed by one enqueue() of all. It waits
+/// twice, and again for those whose triangle lists did not fit, which are computed anew. Copies of meshes lie in one
+/// piece of memory; the fields share one workspace, as large as the largest of them needs. If that does not fit into
+/// device memory, halves of them are computed one after the other. Errors among the answers: as bounds_of_each; usage
+/// also for the grid, the thickness and values that are null; limit also for a mesh too far from the grid
+/// (docs/tiles.md, Domain); the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may
+/// have been written.
 STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,
                                                               const OnStream& on = {});
 

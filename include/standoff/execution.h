@@ -39,7 +39,7 @@ constexpr const char* name_of(Backend backend) {
   return info ? info->name : "";
 }
 
-/// The instruction set of the CPU's kernels: of compute() by the method `tiles`, of building a model's fields, and of
+/// The instruction set of the CPU's kernels: of compute() by the method `tiles`, of building a body's fields, and of
 /// batches of collision queries. Queries without an Execution take the best set. verify(), closest_points(),
 /// interpolation and Algorithm 1 have no kernels to choose. The bits of a result do not depend on the set.
 enum class Simd { automatic, portable, avx2, avx512 };

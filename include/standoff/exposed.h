@@ -8,6 +8,7 @@
 #include "standoff/execution.h"
 #include "standoff/export.h"
 #include "standoff/mesh.h"
+#include "standoff/progress.h"
 #include "standoff/sign.h"
 
 namespace standoff {
@@ -24,10 +25,15 @@ struct ExposedTriangles {
   SignReport sign;  ///< how inside was decided
 };
 
-/// `sign` names winding or automatic; its rule says what is inside. Runs on the CPU. The result does not depend on the
+struct ExposedOptions {
+  SignOptions sign = {};     ///< winding or automatic; the rule says what is inside
+  Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
+};
+
+/// Runs on the CPU. The result does not depend on the
 /// number of threads. Takes some 200 bytes per triangle. Errors: those of validate(mesh); input (the mesh is not closed
-/// after orientation), doubt (`strict`), usage (`sign`, execution).
-STANDOFF_API ExposedTriangles exposed_triangles(MeshView mesh, const SignOptions& sign = {SignMethod::winding},
-                                                const Execution& execution = {});
+/// after orientation), doubt (`strict`), usage (`sign`, execution), interrupted.
+STANDOFF_API ExposedTriangles exposed_triangles(MeshView mesh, const ExposedOptions& options = {});
 
 }  // namespace standoff

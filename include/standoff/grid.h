@@ -39,7 +39,11 @@ STANDOFF_API void validate(const Grid& grid);
 inline constexpr double kFullField = std::numeric_limits<double>::infinity();
 
 /// The default number of samples along the longest side.
-inline constexpr std::int64_t kDefaultSamples = 256;
+inline constexpr std::int64_t kDefaultResolution = 256;
+
+/// The most of the box's longest side that a band's padding takes on each side: a wider band is not followed farther,
+/// because it would leave few samples for the mesh.
+inline constexpr double kMostPadding = 0.1;
 
 /// How far a grid reaches beyond the box it is fitted to, on each side of each axis:
 /// max(least_samples, min(max(length, samples), most_share * the box's longest side)).
@@ -50,19 +54,22 @@ struct Padding {
   double most_share = std::numeric_limits<double>::infinity();  ///< if finite, may cut off a wide band
 };
 
-/// The padding for a narrow band: its thickness (world units), so that the grid contains the whole band, but at least
-/// two samples. The padding for a full field: two samples. Errors: usage unless the thickness is positive.
+/// The padding for a band: its thickness (world units), at most kMostPadding of the longest side, at least two samples.
+/// The padding for a full field: two samples. Errors: usage unless the thickness is positive.
 STANDOFF_API Padding padding_for(double thickness);
+/// The same for a band whose half-width is given in samples.
+STANDOFF_API Padding padding_for_samples(double samples);
 
-/// A grid of equal spacings with `samples` samples on the longest side of the padded box, centred on the box. The other
-/// sides get as many samples as cover the padded box. A box without extent gets spacing 1 if the padding has no length,
-/// and one sample if there is no padding.
-/// Errors: usage (an empty box; samples < 2; a member of the padding that is negative or not a number; a padding that
-/// leaves no samples for the box), limit (more than 2^40 samples on a side).
-STANDOFF_API Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding);
+/// A grid of equal spacings with `resolution` samples on the longest side of the padded box, centred on the box. The
+/// other sides get as many samples as cover the padded box. A box without extent gets spacing 1 if the padding has no
+/// length, and one sample if there is no padding. Errors: usage (an empty box; resolution < 2; a member of the padding
+/// that is negative or not a number; a padding that leaves no samples for the box), limit (more than 2^40 samples on a
+/// side).
+STANDOFF_API Grid fit_resolution(const Box& box, std::int64_t resolution, const Padding& padding);
 /// The same with padding_for(thickness). `thickness` is the thickness of the field that will be computed.
-inline Grid fit_samples(const Box& box, std::int64_t samples = kDefaultSamples, double thickness = kFullField) {
-  return fit_samples(box, samples, padding_for(thickness));
+inline Grid fit_resolution(const Box& box, std::int64_t resolution = kDefaultResolution,
+                           double thickness = kFullField) {
+  return fit_resolution(box, resolution, padding_for(thickness));
 }
 
 /// A grid of the given spacings, with as many samples as cover the padded box, centred on the box. Errors: as above.

@@ -57,16 +57,20 @@ struct MeshReadReport {
   bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
 };
 
+struct MeshReadResult {
+  Mesh mesh;
+  MeshReadReport report;
+};
+
 /// The report as English sentences without full stops. Empty if the reader changed nothing and the unit is unknown.
 /// Errors: usage (an axis that is not 1, 2 or 3, or negative).
 STANDOFF_API std::vector<std::string> notes(const MeshReadReport& report);
 
 /// Reads a mesh. The extension decides the format; if no format has that extension, the content decides. It is an error
 /// if extension and content contradict each other. A file may be compressed by gzip: mesh.obj.gz is read as OBJ. Equal
-/// vertices are welded exactly, and polygons are triangulated. `report`, unless null, receives what was done to the
-/// coordinates. Errors: input, with a message `FILE:WHERE: what; what to do`; limit (memory); interrupted.
-STANDOFF_API Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {},
-                            MeshReadReport* report = nullptr);
+/// vertices are welded exactly, and polygons are triangulated. Errors: input, with a message `FILE:WHERE: what; what to
+/// do`; limit (memory); interrupted.
+STANDOFF_API MeshReadResult read_mesh(const std::filesystem::path& path, const MeshReadOptions& options = {});
 
 struct MeshWriteOptions {
   Existing existing = Existing::replace;
@@ -80,7 +84,8 @@ inline void write_mesh(const std::filesystem::path& path, MeshView mesh, Existin
 }
 
 struct FieldReadOptions {
-  std::int64_t memory_limit = 0;  ///< bytes that the field may take; 0: no limit. Checked before allocation
+  /// Bytes that the field may take, checked before allocation. 0: default_memory_limit(); negative: no limit.
+  std::int64_t memory_limit = 0;
   ProgressCallback progress = {};
 };
 

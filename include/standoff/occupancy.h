@@ -32,10 +32,14 @@ struct Occupancy {
   STANDOFF_API std::int64_t count() const;
 };
 
+struct OccupancyOptions {
+  SignOptions sign = {};     ///< a method that needs no distances: winding, parity, flood or automatic
+  Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
+};
+
 /// Decides for each sample whether it is inside, exactly as compute() decides its sign. Takes a bit per sample and what
-/// the sign needs. `sign` names a method that needs no distances: winding, parity, flood or automatic. Runs on the CPU.
-/// Errors: as compute; usage also for the other methods.
-STANDOFF_API Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign = {SignMethod::automatic},
-                                 const Execution& execution = {}, const ProgressCallback& progress = {});
+/// the sign needs. Runs on the CPU. Errors: as compute; usage also for other sign methods.
+STANDOFF_API Occupancy occupancy(MeshView mesh, const Grid& grid, const OccupancyOptions& options = {});
 
 }  // namespace standoff

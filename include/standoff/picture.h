@@ -35,7 +35,8 @@ struct PictureOptions {
   bool legend = true;   ///< a bar of colors with numbers, if colors stand for numbers
   bool axes = false;    ///< a small triad of the axes in the lower left corner
   int threads = 0;      ///< as in Execution: the picture has the same bytes for any number
-  std::int64_t memory_limit = 0;  ///< bytes that drawing may take; 0: no limit. Checked before the work
+  std::int64_t memory_limit =
+      0;  ///< bytes that drawing may take, checked before the work; 0: default_memory_limit(); negative: no limit
 };
 
 enum class Shading {

@@ -31,14 +31,20 @@ struct ClosestPoint {
   Feature feature = Feature::face;       ///< what part of the triangle `point` lies on
   /// Barycentric coordinates of `point`, in the order of the triangle's corners; each from 0 to 1, with sum 1 up to
   /// rounding.
-  std::array<double, 3> weights = {};
+  std::array<double, 3> barycentric = {};
 };
 
 struct MeshQueryOptions {
-  /// How inside is decided. By default it is not, and distances are positive. SignMethod::flood needs a grid and is an
-  /// error; `outer` and `shell` are as in compute().
+  /// How inside is decided. SignMethod::flood needs a grid and is an error; where `automatic` would take it there is no
+  /// sign. `outer` and `shell` are as in compute().
   SignOptions sign = {};
   Execution execution = {};  ///< where the query is built
+  ProgressCallback progress = {};
+};
+
+/// How points are answered.
+struct PointOptions {
+  Execution execution = {};
   ProgressCallback progress = {};
 };
 
@@ -68,20 +74,23 @@ class STANDOFF_API MeshQuery {
   /// out[n] is the distance of points[n], world units, negative inside if there is a sign. Errors: usage (a point that
   /// is not finite; lengths that differ; execution), limit (a coordinate beyond kMaxCoordinate; memory), interrupted;
   /// `out` is then unspecified.
-  void distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
-                 const ProgressCallback& progress = {}) const;
-  /// The same with the closest point, its triangle, feature and weights.
-  void closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const Execution& execution = {},
-               const ProgressCallback& progress = {}) const;
+  void distances(std::span<const Vec3> points, std::span<double> out, const PointOptions& options = {}) const;
+  /// The same with the closest point, its triangle, feature and barycentric coordinates.
+  void closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const PointOptions& options = {}) const;
   /// The generalised winding number of the mesh, in the orientation that the sign was decided with, at each point: an
   /// integer if the mesh is closed. On the surface it is that of one of the sides. Errors: as above.
-  void winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution = {},
-                       const ProgressCallback& progress = {}) const;
+  void winding_numbers(std::span<const Vec3> points, std::span<double> out, const PointOptions& options = {}) const;
   /// The unit gradient of the distance at a point whose answer is `at`: away from the surface, or, if there is a sign,
   /// towards the outside. Where several triangles are nearest it is that of at.triangle; on the surface, within
   /// rounding, it is the normal of that triangle, in the orientation of the sign. Errors: usage (a triangle that the
   /// mesh does not have).
   Vec3 gradient(Vec3 point, const ClosestPoint& at) const;
+
+  /// Writes the query as a file, by convention with the extension `.query`; it appears whole or not at all. Errors:
+  /// output.
+  void save(const std::filesystem::path& path, Existing existing = Existing::replace) const;
+  /// Reads a query that save() wrote. Errors: input (`FILE:WHERE: what; what to do`), limit (memory).
+  static MeshQuery load(const std::filesystem::path& path);
 
   struct Data;
 
@@ -91,15 +100,9 @@ class STANDOFF_API MeshQuery {
   std::shared_ptr<const Data> data_;
 };
 
-/// Writes a query as a file, by convention with the extension `.query`; it appears whole or not at all. Errors: output.
-STANDOFF_API void write_query(const std::filesystem::path& path, const MeshQuery& query,
-                              Existing existing = Existing::replace);
-/// Reads it. Errors: input (`FILE:WHERE: what; what to do`), limit (memory).
-STANDOFF_API MeshQuery read_query(const std::filesystem::path& path);
-
 /// The closest point for each of `points`, in this order, without a sign: a MeshQuery for a single call. Errors: as
 /// MeshQuery and closest().
 STANDOFF_API std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points,
-                                                      const Execution& execution = {});
+                                                      const PointOptions& options = {});
 
 }  // namespace standoff

@@ -47,7 +47,7 @@ STANDOFF_API Pose make_pose(Vec3 axis, double angle_rad, Vec3 translation);
 /// Rotations stored in single precision fulfil it.
 inline constexpr double kRigidTolerance = 1e-6;
 
-/// The largest magnitude of coordinates of poses, motions and models, world units: their squares are within single
+/// The largest magnitude of coordinates of poses, motions and bodies, world units: their squares are within single
 /// precision's range.
 inline constexpr double kMaxPosition = 1e15;
 

@@ -43,6 +43,11 @@ STANDOFF_API std::string name_of(SidecarKind kind);
 /// The bytes of a kind per sample of a stored tile: 12, or 1 for a feature. Errors: usage (no such kind).
 STANDOFF_API std::int64_t bytes_per_sample(SidecarKind kind);
 
+struct SidecarOptions {
+  Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
+};
+
 /// The sidecars of a field that has nearest triangles and was computed from `mesh`, one for each of `kinds`, in this
 /// order. All follow in double precision from the stored nearest triangle, which is nearest within the error that
 /// compute() promises; they have the same bits for any number of threads and any instruction set. Takes
@@ -51,13 +56,11 @@ STANDOFF_API std::int64_t bytes_per_sample(SidecarKind kind);
 /// triangle that the mesh does not have), limit (a coordinate that is beyond 2^100 spacings from the grid; memory),
 /// interrupted.
 STANDOFF_API std::vector<Sidecar> sidecars(MeshView mesh, const DistanceField& field,
-                                           std::span<const SidecarKind> kinds, const Execution& execution = {},
-                                           const ProgressCallback& progress = {});
+                                           std::span<const SidecarKind> kinds, const SidecarOptions& options = {});
 
 /// The same in place of what `into` holds, whose memory is reused: fresh memory can take longer than the work.
 /// After an error `into` holds nothing of use.
 STANDOFF_API void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds,
-                                std::vector<Sidecar>& into, const Execution& execution = {},
-                                const ProgressCallback& progress = {});
+                                std::vector<Sidecar>& into, const SidecarOptions& options = {});
 
 }  // namespace standoff

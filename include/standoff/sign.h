@@ -81,7 +81,8 @@ enum class WindingRule {
 };
 
 struct SignOptions {
-  SignMethod method = SignMethod::none;
+  /// What fits the mesh. A mesh without an inside gets no sign, and the report says why.
+  SignMethod method = SignMethod::automatic;
   WindingRule rule = WindingRule::positive;
   bool invert = false;  ///< exchange inside and outside, for example for the scan of a room
   bool strict = false;  ///< Error{doubt} where the sign is not certain

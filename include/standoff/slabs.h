@@ -44,18 +44,14 @@ class STANDOFF_API FieldSlabs {
 /// The mesh is prepared once, for all slabs. Memory: that of one slab, of the backend's scratch and of the sign
 /// (docs/tiles.md, Fields larger than memory). Where something needs the whole grid at once, the only slab is the whole
 /// field, and memory is that of compute(): SignMethod::flood and ::normal, Method::thesis, and GPUs. Backend::automatic
-/// takes a GPU as compute() does where the whole field is within the memory limit; without a limit, or beyond it, the
+/// takes a GPU as compute() does where the whole field is within the memory limit; beyond it, or without any limit, the
 /// CPU makes slabs.
 class STANDOFF_API SlabComputation final : public FieldSlabs {
  public:
-  /// By default the values of a slab take at most 256 MiB on grids of up to 2048 x 2048 samples per slice; of a thin
-  /// band, of which few tiles are stored, a small part of that.
-  static constexpr std::int64_t kSlabSamples = std::int64_t{1} << 26;
-
   /// Checks and prepares. Where the only slab is the whole field it is computed here, else no distance is computed yet.
-  /// The mesh must stay where it is. `slab_samples`: how many samples
-  /// a slab may have, 1 or more; slabs are a multiple of 16 slices, at least 16. Errors: as compute(); usage also for
-  /// slab_samples below 1. The memory limit is that of the slabs.
+  /// The mesh must stay where it is. `slab_samples`: how many samples a slab may have, 1 or more; slabs are a multiple
+  /// of 16 slices, at least 16. Errors: as compute(); usage also for slab_samples below 1. The memory limit is that of
+  /// the slabs; estimate() says what they take.
   SlabComputation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {},
                   std::int64_t slab_samples = kSlabSamples);
   /// A mesh that nobody keeps would be gone before the first slab.
@@ -78,13 +74,5 @@ class STANDOFF_API SlabComputation final : public FieldSlabs {
   class Work;
   std::unique_ptr<Work> work_;
 };
-
-/// An upper bound of the bytes that SlabComputation needs besides the mesh, as memory_needed() of standoff/compute.h
-/// for compute(). It does not look at what the mesh is like: if SignMethod::automatic finds that only a flood tells its
-/// inside, which needs the whole grid at once, the bound is memory_needed(). Errors: as there; usage also for
-/// slab_samples below 1.
-STANDOFF_API std::int64_t slab_memory_needed(MeshView mesh, const Grid& grid, double thickness,
-                                             const ComputeOptions& options = {},
-                                             std::int64_t slab_samples = SlabComputation::kSlabSamples);
 
 }  // namespace standoff

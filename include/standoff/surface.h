@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces out of fields and meshes: watertight, oriented triangle meshes (docs/iso.md).
+// Surfaces out of fields and meshes: watertight, oriented triangle meshes (docs/surface.md).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace standoff {
 
-enum class IsoMethod {
+enum class SurfaceMethod {
   marching_cubes,  ///< vertices on the grid's edges: smooth, and as fine as the grid
   dual,            ///< vertices in the grid's cells, by dual contouring: keeps sharp edges and corners of meshes
 };
@@ -29,32 +29,34 @@ enum class Coordinates {
   full,       ///< 64-bit numbers
 };
 
-struct IsoOptions {
+struct SurfaceOptions {
   /// The value on the surface, world units. Inside is where values are less; negative: the solid shrinks, positive: it
   /// grows by rounding.
   double at = 0;
   /// If positive: a second surface at `at - wall`, which faces inwards: the solid becomes hollow, with walls that are
   /// this thick, world units. At least the largest spacing.
   double wall = 0;
-  IsoMethod method = IsoMethod::marching_cubes;
+  SurfaceMethod method = SurfaceMethod::marching_cubes;
   Coordinates coordinates = Coordinates::automatic;
-  /// Bytes that the surface and its making may take, and from a mesh also the field; 0: no limit. What `examine` takes
-  /// comes later and is not limited, nor a field that the caller gives.
+  /// Of a mesh alone: how inside is decided. Without an inside `at` must be positive.
+  SignOptions sign = {};
+  /// Bytes that the surface and its making may take, and from a mesh also the field. 0: default_memory_limit();
+  /// negative: no limit. What `examine` takes comes later and is not limited, nor a field that the caller gives.
   std::int64_t memory_limit = 0;
   bool examine = false;      ///< also count components and self-intersections of the result
   Execution execution = {};  ///< the backend must be automatic or cpu, but for the field that a mesh needs
   ProgressCallback progress = {};
 };
 
-struct IsoReport {
+struct SurfaceReport {
   std::int64_t triangles = 0, vertices = 0;
-  std::int64_t ambiguous_faces = 0;  ///< faces of cells whose corners can be joined in two ways (docs/iso.md)
+  std::int64_t ambiguous_faces = 0;  ///< faces of cells whose corners can be joined in two ways (docs/surface.md)
   /// Crossed edges with an end whose value is clamped to the thickness: their vertices are less accurate.
   std::int64_t clamped = 0;
   std::int64_t capped = 0;      ///< crossed edges that leave the grid: the surface is closed there by a flat cap
   bool floats = false;          ///< whether all coordinates are 32-bit floats
   double clearance = 0;         ///< the clearance: vertices keep so far from samples, in spacings
-  bool examined = false;        ///< IsoOptions::examine
+  bool examined = false;        ///< SurfaceOptions::examine
   std::int64_t components = 0;  ///< if examined
   std::int64_t self_intersections = 0;  ///< if examined: pairs of triangles without a common vertex that intersect
   bool intersections_known = true;      ///< if examined. false: the search was stopped, and there may be more
@@ -67,9 +69,9 @@ struct IsoReport {
   std::string lost;             ///< one sentence with a way to keep them; empty if nothing to speak of is lost
 };
 
-struct IsoResult {
+struct SurfaceResult {
   Mesh mesh;  ///< empty if no value, or each value, is less than `at`
-  IsoReport report;
+  SurfaceReport report;
 };
 
 /// The surface on which the trilinear interpolation of a field has the value options.at. It is closed, oriented
@@ -79,13 +81,11 @@ struct IsoResult {
 /// and 64 bytes per stored tile: at most options.memory_limit. `dual` takes normals from the gradient of the field.
 /// Errors: usage (options; a value that is not within the field's thickness), input (a value that is not a number),
 /// limit (memory; more than 2^32 - 2 vertices; coordinates), interrupted.
-STANDOFF_API IsoResult isosurface(const DistanceField& field, const IsoOptions& options = {});
+STANDOFF_API SurfaceResult surface(const DistanceField& field, const SurfaceOptions& options = {});
 
 /// The same from a mesh: computes the field that is needed, of the mesh on this grid. `dual` takes its normals from the
-/// mesh: sharp edges and corners come back. `sign` with SignMethod::automatic suits most meshes; with SignMethod::none
-/// options.at must be positive.
+/// mesh: sharp edges and corners come back.
 /// Errors: as above, and those of compute().
-STANDOFF_API IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign,
-                                  const IsoOptions& options = {});
+STANDOFF_API SurfaceResult surface(MeshView mesh, const Grid& grid, const SurfaceOptions& options = {});
 
 }  // namespace standoff

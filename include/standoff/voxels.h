@@ -15,12 +15,16 @@
 
 namespace standoff {
 
+struct SurfaceVoxelOptions {
+  Execution execution = {};  ///< the backend must be automatic or cpu
+  ProgressCallback progress = {};
+};
+
 /// The voxels that have a point in common with a triangle, faces, edges and corners included. No such voxel is missed.
 /// Rounding may add voxels that a triangle misses by less than 1e-12 of the triangle's size and the spacing together.
 /// Takes a bit per sample. The same bits for any number of threads. Runs on the CPU.
 /// Errors: usage (grid, execution), input (mesh), limit (memory; coordinates beyond 1e100), interrupted.
-STANDOFF_API Occupancy surface_voxels(MeshView mesh, const Grid& grid, const Execution& execution = {},
-                                      const ProgressCallback& progress = {});
+STANDOFF_API Occupancy surface_voxels(MeshView mesh, const Grid& grid, const SurfaceVoxelOptions& options = {});
 
 /// Adds the voxels of another grid of the same samples: those of the surface to solid ones, for example. The sign's
 /// report stays. Errors: usage (the grids, or the lengths of the bits, differ).

@@ -20,20 +20,20 @@ void put(NewArray<double>& array, std::size_t row, Vec3 v) {
   array[3 * row + 2] = v.z;
 }
 
-CollisionModel build(const VertexInput& vertices, const FaceInput& faces, double spacing, int threads,
-                     const std::string& device) {
+Body build(const VertexInput& vertices, const FaceInput& faces, double spacing, int threads,
+           const std::string& device) {
   const MeshView mesh = view_of(vertices, faces);
-  ModelOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
+  BodyOptions options{.spacing = spacing, .execution = execution_of(threads, device)};
   return watched(nb::none(), [&](const ProgressCallback& report) {
     options.progress = report;
-    return CollisionModel(mesh, options);
+    return Body(mesh, options);
   });
 }
 
 // verdict (0 free, 1 hit, 2 ambiguous), triangle_a, triangle_b, containment
-nb::tuple collide_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
-                        const PoseInput& poses, double margin, bool containment, bool certified, int threads,
-                        const std::string& device, const nb::object& progress) {
+nb::tuple collide_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& poses, double margin,
+                        bool containment, bool certified, int threads, const std::string& device,
+                        const nb::object& progress) {
   const std::size_t count = poses.shape(0);
   NewArray<std::uint8_t> verdict({count}), inside({count});
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
@@ -43,7 +43,7 @@ nb::tuple collide_poses(const CollisionModel& a, const PoseInput& pose_a, const 
   const Pose at = pose_of(pose_a, 0);
   const std::vector<Pose> all = poses_of(poses);
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
-    const auto results = collide_all(a, at, b, std::span(all).subspan(first, last - first), options, execution);
+    const auto results = collide_all(a, at, b, std::span(all).subspan(first, last - first), options, execution).results;
     for (std::size_t n = first; n < last; ++n) {
       const CollisionResult& r = results[n - first];
       verdict[n] = static_cast<std::uint8_t>(r.verdict);
@@ -56,9 +56,8 @@ nb::tuple collide_poses(const CollisionModel& a, const PoseInput& pose_a, const 
 }
 
 // lower, upper, point_a, point_b, triangle_a, triangle_b
-nb::tuple distance_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
-                         const PoseInput& poses, double tolerance, double limit, int threads,
-                         const nb::object& progress) {
+nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& poses,
+                         double tolerance, double limit, int threads, const nb::object& progress) {
   const std::size_t count = poses.shape(0);
   NewArray<double> lower({count}), upper({count}), point_a({count, 3}), point_b({count, 3});
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
@@ -67,7 +66,8 @@ nb::tuple distance_poses(const CollisionModel& a, const PoseInput& pose_a, const
   const Pose at = pose_of(pose_a, 0);
   const std::vector<Pose> all = poses_of(poses);
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
-    const auto results = distance_all(a, at, b, std::span(all).subspan(first, last - first), options, execution);
+    const auto results =
+        distance_all(a, at, b, std::span(all).subspan(first, last - first), options, execution).results;
     for (std::size_t n = first; n < last; ++n) {
       const DistanceResult& r = results[n - first];
       lower[n] = r.lower;
@@ -83,9 +83,9 @@ nb::tuple distance_poses(const CollisionModel& a, const PoseInput& pose_a, const
 }
 
 // hit, time, point, normal, triangle_a, triangle_b
-nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b, const PoseInput& from,
-                      const PoseInput& to, std::array<double, 3> center, double tolerance, int threads,
-                      const std::string& device, const nb::object& progress) {
+nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& from, const PoseInput& to,
+                      std::array<double, 3> center, double tolerance, int threads, const std::string& device,
+                      const nb::object& progress) {
   const std::size_t count = from.shape(0);
   NewArray<std::uint8_t> hit({count});
   NewArray<double> time({count}), point({count, 3}), normal({count, 3});
@@ -98,7 +98,8 @@ nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const Co
     motions[n] = {first_poses[n], last_poses[n], {center[0], center[1], center[2]}};
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
     const auto results =
-        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution);
+        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution)
+            .results;
     for (std::size_t n = first; n < last; ++n) {
       const SweepResult& r = results[n - first];
       hit[n] = r.hit ? 1 : 0;
@@ -114,8 +115,8 @@ nb::tuple sweep_poses(const CollisionModel& a, const PoseInput& pose_a, const Co
 }
 
 // point, normal, depth, triangle_a, triangle_b, overflow
-nb::tuple contacts_of(const CollisionModel& a, const PoseInput& pose_a, const CollisionModel& b,
-                      const PoseInput& pose_b, std::int64_t most, double margin) {
+nb::tuple contacts_of(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& pose_b, std::int64_t most,
+                      double margin) {
   const Pose at = pose_of(pose_a, 0), b_at = pose_of(pose_b, 0);
   const ContactResult result = watched(
       nb::none(), [&](const ProgressCallback&) { return contacts(a, at, b, b_at, {.most = most, .margin = margin}); });
@@ -137,26 +138,26 @@ nb::tuple contacts_of(const CollisionModel& a, const PoseInput& pose_a, const Co
 }  // namespace
 
 void add_bodies(nb::module_& m) {
-  nb::class_<CollisionModel>(m, "Body")
-      .def_prop_ro("closed", &CollisionModel::closed)
-      .def_prop_ro("thickness", &CollisionModel::thickness)
-      .def_prop_ro("memory_bytes", &CollisionModel::memory_bytes)
-      .def_prop_ro("triangles", [](const CollisionModel& b) { return b.mesh().triangles.size(); })
+  nb::class_<Body>(m, "Body")
+      .def_prop_ro("has_inside", &Body::has_inside)
+      .def_prop_ro("thickness", &Body::thickness)
+      .def_prop_ro("memory_bytes", &Body::memory_bytes)
+      .def_prop_ro("triangles", [](const Body& b) { return b.mesh().triangles.size(); })
       .def_prop_ro(
           "bounds",
-          [](const CollisionModel& b) {
+          [](const Body& b) {
             const Box box = b.bounds();
             return std::array{std::array{box.min.x, box.min.y, box.min.z}, std::array{box.max.x, box.max.y, box.max.z}};
           })
       .def(
           "save",
-          [](const CollisionModel& body, const std::filesystem::path& path, bool overwrite) {
+          [](const Body& body, const std::filesystem::path& path, bool overwrite) {
             const Unlocked released;
             body.save(path, overwrite ? Existing::replace : Existing::keep);
           },
           "path"_a, "overwrite"_a);
   m.def("build_body", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "spacing"_a, "threads"_a, "device"_a);
-  m.def("read_body", &CollisionModel::load, "path"_a, nb::call_guard<Unlocked>());
+  m.def("read_body", &Body::load, "path"_a, nb::call_guard<Unlocked>());
   m.def("automatic_tolerance", &automatic_tolerance, "a"_a, "b"_a);
   m.def("collide", &collide_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "margin"_a,
         "containment"_a, "certified"_a, "threads"_a, "device"_a, "progress"_a.none());

@@ -30,7 +30,7 @@ ComputeOptions options_of(const nb::handle& sign, const std::string& method, boo
   options.sign = sign_of(sign);
   options.execution = execution_of(threads, device);
   options.memory_limit = memory_limit;
-  options.nearest_triangle = nearest;
+  options.nearest = nearest;
   return options;
 }
 
@@ -63,10 +63,10 @@ nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, cons
   return dict_of(done, seconds);
 }
 
-std::int64_t bytes_needed(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
-                          const nb::handle& sign, bool nearest, bool dense) {
-  return memory_needed(view_of(vertices, faces), grid.grid(), thickness,
-                       options_of(sign, "tiles", nearest, 0, "auto", 0), dense);
+std::int64_t dense_bytes(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+                         const nb::handle& sign) {
+  return estimate(view_of(vertices, faces), grid.grid(), thickness, options_of(sign, "tiles", false, 0, "auto", 0))
+      .dense;
 }
 
 std::array<std::int64_t, 3> shape_of(const DistanceField& field) {
@@ -207,11 +207,11 @@ void add_grids(nb::module_& m) {
   };
   const auto box = [](const Point& a, const Point& b) { return Box{{a[0], a[1], a[2]}, {b[0], b[1], b[2]}}; };
   m.def(
-      "fit_samples",
-      [=](Point a, Point b, std::int64_t samples, const Padding& padding) {
-        return fitted(fit_samples(box(a, b), samples, padding));
+      "fit_resolution",
+      [=](Point a, Point b, std::int64_t resolution, const Padding& padding) {
+        return fitted(fit_resolution(box(a, b), resolution, padding));
       },
-      "low"_a, "high"_a, "samples"_a, "padding"_a);
+      "low"_a, "high"_a, "resolution"_a, "padding"_a);
   m.def(
       "fit_spacing",
       [=](Point a, Point b, Point spacing, const Padding& padding) {
@@ -231,6 +231,9 @@ void add_grids(nb::module_& m) {
             new (at) Padding{length, samples, least_samples, most_share};
           },
           "length"_a, "samples"_a, "least_samples"_a, "most_share"_a);
+  m.def("padding_for", &padding_for, "thickness"_a);
+  m.def("padding_for_samples", &padding_for_samples, "samples"_a);
+  m.attr("DEFAULT_RESOLUTION") = kDefaultResolution;
 }
 
 }  // namespace
@@ -288,8 +291,9 @@ void add_fields(nb::module_& m) {
         "method"_a, "nearest"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
   m.def("compute_dense", &compute_dense, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
         "out"_a.noconvert(), "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
-  m.def("memory_needed", &bytes_needed, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
-        "sign"_a, "nearest"_a, "dense"_a);
+  m.def("dense_bytes", &dense_bytes, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
+        "sign"_a);
+  m.def("default_memory_limit", &default_memory_limit);
 }
 
 }  // namespace standoff::python

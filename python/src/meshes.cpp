@@ -12,9 +12,8 @@ namespace {
 
 // (vertices, faces, notes); the arrays keep the memory that the reader filled.
 nb::tuple read_mesh_file(const std::filesystem::path& path, double scale) {
-  MeshReadReport report;
-  Mesh mesh = watched(nb::none(), [&](const ProgressCallback& progress) {
-    return read_mesh(path, {.scale = scale, .progress = progress}, &report);
+  auto [mesh, report] = watched(nb::none(), [&](const ProgressCallback& progress) {
+    return read_mesh(path, {.scale = scale, .progress = progress});
   });
   return nb::make_tuple(array_over<double>(std::move(mesh.vertices)),
                         array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));

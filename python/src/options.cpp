@@ -52,7 +52,7 @@ SignOptions sign_of(const nb::handle& sign) {
   options.strict = value_of<bool>(sign, "strict", "True or False");
   options.as_oriented = value_of<bool>(sign, "as_oriented", "True or False");
   options.outer = value_of<bool>(sign, "outer", "True or False");
-  options.shell = value_of<double>(sign, "thickness", "a number");
+  options.shell = value_of<double>(sign, "shell", "a number");
   return options;
 }
 

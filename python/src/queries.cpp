@@ -34,7 +34,7 @@ nb::object distances(const MeshQuery& query, const PointInput& points, int threa
   NewArray<double> out({points.shape(0)});
   const Execution execution = execution_of(threads, device);
   ask(progress, points.shape(0), [&](const ProgressCallback& report) {
-    query.distances(points_of(points), {out.data(), out.count()}, execution, report);
+    query.distances(points_of(points), {out.data(), out.count()}, {.execution = execution, .progress = report});
   });
   return out.finish();
 }
@@ -42,16 +42,17 @@ nb::object distances(const MeshQuery& query, const PointInput& points, int threa
 nb::object winding_numbers(const MeshQuery& query, const PointInput& points, int threads, const nb::object& progress) {
   NewArray<double> out({points.shape(0)});
   ask(progress, points.shape(0), [&](const ProgressCallback& report) {
-    query.winding_numbers(points_of(points), {out.data(), out.count()}, {.threads = threads}, report);
+    query.winding_numbers(points_of(points), {out.data(), out.count()},
+                          {.execution = {.threads = threads}, .progress = report});
   });
   return out.finish();
 }
 
-// distance, point, triangle, feature, weights, gradient
+// distance, point, triangle, feature, barycentric, gradient
 nb::tuple closest(const MeshQuery& query, const PointInput& points, int threads, const std::string& device,
                   const nb::object& progress) {
   const std::size_t count = points.shape(0);
-  NewArray<double> distance({count}), point({count, 3}), weights({count, 3}), gradient({count, 3});
+  NewArray<double> distance({count}), point({count, 3}), barycentric({count, 3}), gradient({count, 3});
   NewArray<std::uint32_t> triangle({count});
   NewArray<std::uint8_t> feature({count});
   const Execution execution = execution_of(threads, device);
@@ -67,7 +68,8 @@ nb::tuple closest(const MeshQuery& query, const PointInput& points, int threads,
         return report({p.stage, done / static_cast<double>(count)});
       };
       const std::span<ClosestPoint> part(answers.data(), size);
-      query.closest(asked.subspan(first, size), part, execution, report ? ProgressCallback(share) : ProgressCallback{});
+      query.closest(asked.subspan(first, size), part,
+                    {.execution = execution, .progress = report ? ProgressCallback(share) : ProgressCallback{}});
       for (std::size_t n = 0; n < size; ++n) {
         const ClosestPoint& from = answers[n];
         const std::size_t to = first + n;
@@ -79,13 +81,13 @@ nb::tuple closest(const MeshQuery& query, const PointInput& points, int threads,
         const double g[3] = {slope.x, slope.y, slope.z};
         for (std::size_t k = 0; k < 3; ++k) {
           point[3 * to + k] = p[k];
-          weights[3 * to + k] = from.weights[k];
+          barycentric[3 * to + k] = from.barycentric[k];
           gradient[3 * to + k] = g[k];
         }
       }
     }
   });
-  return nb::make_tuple(distance.finish(), point.finish(), triangle.finish(), feature.finish(), weights.finish(),
+  return nb::make_tuple(distance.finish(), point.finish(), triangle.finish(), feature.finish(), barycentric.finish(),
                         gradient.finish());
 }
 
@@ -114,11 +116,11 @@ void add_queries(nb::module_& m) {
           "save",
           [](const MeshQuery& query, const std::filesystem::path& path, bool overwrite) {
             const Unlocked released;
-            write_query(path, query, overwrite ? Existing::replace : Existing::keep);
+            query.save(path, overwrite ? Existing::replace : Existing::keep);
           },
           "path"_a, "overwrite"_a);
   m.def("build_query", &build, "vertices"_a.noconvert(), "faces"_a.noconvert(), "sign"_a, "threads"_a);
-  m.def("read_query", &read_query, "path"_a, nb::call_guard<Unlocked>());
+  m.def("read_query", &MeshQuery::load, "path"_a, nb::call_guard<Unlocked>());
 }
 
 }  // namespace standoff::python

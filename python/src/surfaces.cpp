@@ -9,18 +9,18 @@
 namespace standoff::python {
 namespace {
 
-IsoOptions options_of(double at, double wall, const std::string& method, int threads) {
+SurfaceOptions options_of(double at, double wall, const std::string& method, int threads) {
   constexpr const char* kMethods[] = {"marching_cubes", "dual"};
-  IsoOptions options;
+  SurfaceOptions options;
   options.at = at;
   options.wall = wall;
-  options.method = static_cast<IsoMethod>(choice_of("method", method, kMethods));
+  options.method = static_cast<SurfaceMethod>(choice_of("method", method, kMethods));
   options.execution.threads = threads;
   return options;
 }
 
 // (vertices, faces, sign, what is lost)
-nb::tuple arrays_of(IsoResult&& result) {
+nb::tuple arrays_of(SurfaceResult&& result) {
   return nb::make_tuple(array_over<double>(std::move(result.mesh.vertices)),
                         array_over<std::uint32_t>(std::move(result.mesh.triangles)), sign_dict(result.report.sign),
                         result.report.lost);
@@ -28,21 +28,21 @@ nb::tuple arrays_of(IsoResult&& result) {
 
 nb::tuple of_field(const DistanceField& field, double at, double wall, const std::string& method, int threads,
                    const nb::object& progress) {
-  IsoOptions options = options_of(at, wall, method, threads);
+  SurfaceOptions options = options_of(at, wall, method, threads);
   return arrays_of(watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
-    return isosurface(field, options);
+    return surface(field, options);
   }));
 }
 
 nb::tuple of_mesh(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, const nb::handle& sign,
                   double at, double wall, const std::string& method, int threads, const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
-  const SignOptions inside = sign_of(sign);
-  IsoOptions options = options_of(at, wall, method, threads);
+  SurfaceOptions options = options_of(at, wall, method, threads);
+  options.sign = sign_of(sign);
   return arrays_of(watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
-    return isosurface(mesh, grid.grid(), inside, options);
+    return surface(mesh, grid.grid(), options);
   }));
 }
 

@@ -8,7 +8,7 @@ Example::
     mesh = so.read("bunny.obj")
     field = so.field(mesh, resolution=256, band=3)     # DistanceField, negative inside
     field.numpy()[10, 20, 30]
-    so.distance(mesh, points, signed=True)             # exact, at arbitrary points
+    so.distance(mesh, points)                          # exact, at arbitrary points
 """
 
 from ._bodies import (

@@ -61,9 +61,9 @@ class Body:
         return triple(low, "bounds"), triple(high, "bounds")
 
     @property
-    def closed(self) -> bool:
-        """Whether the mesh is closed and consistently oriented."""
-        return self._body.closed
+    def has_inside(self) -> bool:
+        """Whether the body has an inside that is known: its mesh is closed as it is oriented. Nothing is repaired."""
+        return self._body.has_inside
 
     @property
     def nbytes(self) -> int:
@@ -71,7 +71,7 @@ class Body:
         return self._body.memory_bytes
 
     def __repr__(self) -> str:
-        kind = "closed" if self.closed else "open"
+        kind = "with an inside" if self.has_inside else "without inside"
         return f"<standoff.Body: {self._body.triangles:,} triangles, {kind}, {memory_text(self.nbytes)}>"
 
     def __copy__(self) -> Body:
@@ -81,11 +81,11 @@ class Body:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (packed(lambda path: self.save(path), ".model"),)
+        return _rebuild, (packed(lambda path: self.save(path), ".body"),)
 
 
 def _rebuild(content: bytes) -> Body:
-    return unpacked(content, Body.load, ".model")
+    return unpacked(content, Body.load, ".body")
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +248,7 @@ def collide(
         poses: of b: ``(..., 4, 4)`` matrices, or ``(..., 7)``: position x y z, then a unit quaternion x y z w.
         pose_a: of a, one pose; by default a is where its mesh is.
         margin: bodies within this distance are a hit, world units.
-        containment: whether a body inside a closed one is a hit too.
+        containment: whether a body inside one that has an inside is a hit too.
         mode: ``"certified"`` answers from the bodies' fields alone, faster, and may be ambiguous.
         threads, device, progress: as for `field`.
 

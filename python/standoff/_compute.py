@@ -49,7 +49,8 @@ def field(
         spacing: distance between samples, world units, one for all axes or one for each;
         shape: samples per axis;
         grid: a `Grid`, for example that of another field.
-        padding: samples beyond the mesh on each side; by default the band's width, at least 2.
+        padding: samples beyond the mesh on each side; by default the band's width, at most a tenth of the mesh's
+            longest side, at least 2 samples.
         band: half-width of the band in samples; or
         thickness: the same in world units. Without either every sample gets its distance.
         sign: ``"auto"`` makes values inside negative by what fits the mesh, and warns if that is not certain
@@ -63,7 +64,8 @@ def field(
             with ``__cuda_stream__``, or the handle as a number. By default torch's current stream, or the one that the
             vertices name. It is waited for.
         threads: 0 for all. Values do not depend on it.
-        memory_limit: bytes of the CPU's memory; 80 % of the machine's by default.
+        memory_limit: bytes of the CPU's memory; by default 80 % of the machine's, or of its control group's; negative
+            for no limit.
         progress: True for a bar by tqdm, or a function of stage and fraction. What it raises ends the work.
 
     Raises:
@@ -99,7 +101,7 @@ def field(
         dense = _checked_out(out, where)
     elif math.isinf(half_width) and not nearest:
         mesh_and_grid = found.vertices, found.faces, where._core()
-        dense = _new_dense(where, limit, lambda: _core.memory_needed(*mesh_and_grid, half_width, asked, False, True))
+        dense = _new_dense(where, limit, lambda: _core.dense_bytes(*mesh_and_grid, half_width, asked))
     settings = (asked, name(method, "method"))
     with progress_of(progress, "field") as report:
         if dense is None:
@@ -148,6 +150,7 @@ def _checked_out(out: Any, grid: Grid) -> np.ndarray:
 
 
 def _new_dense(grid: Grid, limit: int, needed_for: Callable[[], int]) -> np.ndarray:
+    limit = limit or _core.default_memory_limit()
     if 0 < limit < 4 * math.prod(grid.shape):
         needed = needed_for()
         raise make(

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import numbers
-import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,8 +21,6 @@ SignMethod = Literal["auto", "none", "winding", "parity", "normal", "flood", "sh
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 Progress = bool | Callable[[str, float], Any] | None
 
-_MOST_PADDING = 0.1  # a wide band is not followed farther than this share of the mesh's longest side
-
 
 @dataclass(frozen=True)
 class Sign:
@@ -38,7 +35,7 @@ class Sign:
         strict: raise `DoubtError` where the sign is not certain.
         as_oriented: take triangles as they are oriented; by default the orientation is repaired first.
         outer: leave out triangles inside, so that distances are to the surface of the union of all parts.
-        thickness: of the sheet, world units, for ``"shell"`` alone.
+        shell: thickness of the sheet, world units, for ``"shell"`` alone.
     """
 
     method: SignMethod = "auto"
@@ -47,7 +44,7 @@ class Sign:
     strict: bool = False
     as_oriented: bool = False
     outer: bool = False
-    thickness: float = 0.0
+    shell: float = 0.0
 
     @staticmethod
     def of(sign: str | Sign | None) -> Sign:
@@ -76,7 +73,7 @@ class SignReport:
     left_out: int
     """Triangles that were left out: copies of others, inner walls."""
     boundary_edges: int
-    """Edges that do not cancel after that: 0 if the mesh is closed."""
+    """Edges whose triangles do not cancel each other after that: 0 if the mesh is closed."""
     internal: int
     """With ``outer``: triangles with inside on both sides, which were left out."""
     cut: int
@@ -174,8 +171,8 @@ def _fit(
     elif spacing is not None:
         lists = _core.fit_spacing(low, high, _spacing(spacing), padding)
     else:
-        samples = 256 if resolution is None else whole_number(resolution, "resolution")
-        lists = _core.fit_samples(low, high, samples, padding)
+        samples = _core.DEFAULT_RESOLUTION if resolution is None else whole_number(resolution, "resolution")
+        lists = _core.fit_resolution(low, high, samples, padding)
     return Grid(*lists)
 
 
@@ -214,16 +211,12 @@ def grid_of(
     else:
         if padding is not None:
             room = _core.Padding(0, number(padding, "padding"), 0, math.inf)
-        elif thickness is not None:
-            room = (
-                _core.Padding(thickness, 0, 2, _MOST_PADDING)
-                if thickness < math.inf
-                else _core.Padding(0, 0, 2, math.inf)
-            )
-        elif band is not None and spacing is not None:
-            room = _core.Padding(band * max(_spacing(spacing)), 0, 2, _MOST_PADDING)
+        elif band is not None and spacing is None:
+            room = _core.padding_for_samples(band)
+        elif band is not None:
+            room = _core.padding_for(band * max(_spacing(spacing)))
         else:
-            room = _core.Padding(0, band, 2, _MOST_PADDING) if band is not None else _core.Padding(0, 0, 2, math.inf)
+            room = _core.padding_for(math.inf if thickness is None else thickness)
         grid = _fit(bounds(), resolution, spacing, shape, room)
     if thickness is None:
         thickness = math.inf if band is None else band * max(grid.spacing)
@@ -241,17 +234,8 @@ def memory_text(count: int) -> str:
 
 
 def memory_limit_of(limit: int | None) -> int:
-    """By default 80 % of the machine's memory, or of what its control group allows."""
-    if limit is not None:
-        return whole_number(limit, "memory_limit")
-    most = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
-        try:
-            with open(file, encoding="ascii") as text:
-                most = min(most, int(text.read()))
-        except (OSError, ValueError):
-            pass
-    return int(0.8 * most)
+    """As the compiled module takes it: 0 for 80 % of the machine's memory, negative for no limit."""
+    return 0 if limit is None else whole_number(limit, "memory_limit")
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
+from ._bodies import Body
 from ._checks import PathLike, flag, path_of, runs_on, threads_of
 from ._files import expect_file, packed, unpacked
 from ._mesh import Mesh, as_mesh
@@ -24,7 +25,7 @@ class ClosestPoints:
     """The nearest point of a mesh's surface for each query point. Arrays have the shape of the points asked for."""
 
     distance: Any
-    """``(...)``: world units, negative inside if a sign was asked for."""
+    """``(...)``: world units, negative inside if there is a sign."""
     point: Any
     """``(..., 3)``: on the surface."""
     triangle: Any
@@ -45,8 +46,8 @@ class MeshQuery:
 
     Args:
         mesh: as for `field`.
-        sign: how inside is decided; by default it is not, and distances are positive. ``"flood"`` needs a grid and
-            is an error here.
+        sign: how inside is decided, as for `field`; None for distances without sign. ``"flood"`` needs a grid and is
+            an error here; where ``"auto"`` would take it there is no sign.
         threads: for building; 0 for all.
 
     Raises:
@@ -57,7 +58,7 @@ class MeshQuery:
     _query: _core.Query
     _sign: SignReport
 
-    def __init__(self, mesh: Any, *, sign: str | Sign | None = None, threads: int = 0) -> None:
+    def __init__(self, mesh: Any, *, sign: str | Sign | None = "auto", threads: int = 0) -> None:
         found = as_mesh(mesh)
         asked = Sign.of(sign)
         self._query = _core.build_query(found.vertices, found.faces, asked, threads_of(threads))
@@ -108,10 +109,11 @@ class MeshQuery:
         """The closest point of the surface for each point ``(..., 3)``, with its triangle and barycentrics."""
         p = Points(points)
         with progress_of(progress, "closest") as report:
-            distance, point, triangle, feature, weights, gradient = self._query.closest(
+            distance, point, triangle, feature, barycentric, gradient = self._query.closest(
                 p.array, *runs_on(threads, device), report
             )
-        return ClosestPoints(*map(p.give, (distance, point, triangle.astype(np.int64), feature, weights, gradient)))
+        triangle = triangle.astype(np.int64)
+        return ClosestPoints(*map(p.give, (distance, point, triangle, feature, barycentric, gradient)))
 
     def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
         """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed.
@@ -147,7 +149,7 @@ def distance(
     mesh: Any,
     points: Any,
     *,
-    signed: bool | str | Sign = ...,
+    sign: str | Sign | None = ...,
     closest: Literal[False] = ...,
     threads: int = ...,
     device: str = ...,
@@ -160,7 +162,7 @@ def distance(
     mesh: Any,
     points: Any,
     *,
-    signed: bool | str | Sign = ...,
+    sign: str | Sign | None = ...,
     closest: Literal[True],
     threads: int = ...,
     device: str = ...,
@@ -172,7 +174,7 @@ def distance(
     mesh: Any,
     points: Any,
     *,
-    signed: bool | str | Sign = False,
+    sign: str | Sign | None = "auto",
     closest: bool = False,
     threads: int = 0,
     device: str = "auto",
@@ -181,9 +183,9 @@ def distance(
     """The exact distance of each point to a mesh.
 
     Args:
-        mesh: as for `field`; or a `MeshQuery`, whose sign is then taken if ``signed=True``.
+        mesh: as for `field`; or a `MeshQuery`, whose sign is then taken.
         points: ``(..., 3)``, world units; numpy, torch, lists.
-        signed: True makes distances inside negative, by ``sign="auto"``; or the sign's method, or a `Sign`.
+        sign: how inside is decided, as for `field`: distances inside are negative. None for distances without sign.
         closest: also return the closest points, triangles, features, barycentrics and gradients.
         threads, device, progress: as for `field`.
 
@@ -195,14 +197,11 @@ def distance(
     """
     if isinstance(mesh, MeshQuery):
         query = mesh
-        if signed is True and not query.signed:
-            raise ValueError("signed: this MeshQuery was built without a sign; build it with sign='auto'")
-        if isinstance(signed, (str, Sign)):
-            raise ValueError("signed: a MeshQuery has its sign already; pass True or False")
-        if not signed and query.signed:
-            raise ValueError("signed: this MeshQuery has a sign; pass signed=True, or call its methods")
+        if sign != "auto":
+            raise ValueError("sign: a MeshQuery has its sign already; leave it out, or pass the mesh")
+    elif isinstance(mesh, Body) or isinstance(points, Body):
+        raise TypeError("mesh: the distance of two bodies is standoff.distance_between(a, b, poses)")
     else:
-        sign = ("auto" if signed else None) if isinstance(signed, bool) else signed
         query = MeshQuery(mesh, sign=sign, threads=threads)
     ask = query.closest if flag(closest, "closest") else query.distance
     return ask(points, threads=threads, device=device, progress=progress)

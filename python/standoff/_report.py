@@ -72,6 +72,7 @@ class Report:
     """Patches with but one side, like a Moebius strip."""
     patches: int
     boundary_edges: int
+    """Edges whose triangles do not cancel each other once the mesh is oriented."""
     boundary_loops: int
     boundary_length: float
     largest_hole: float

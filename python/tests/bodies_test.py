@@ -15,10 +15,10 @@ RANDOM = np.random.default_rng(7)
 
 
 def test_a_body_says_what_it_is():
-    assert CUBE.closed and not so.Body(shapes.sheet()).closed
+    assert CUBE.has_inside and not so.Body(shapes.sheet()).has_inside
     assert CUBE.bounds == ((-0.5,) * 3, (0.5,) * 3)
     assert CUBE.nbytes > 12 * 3 * 8
-    assert repr(CUBE).startswith("<standoff.Body: 12 triangles, closed, ")
+    assert repr(CUBE).startswith("<standoff.Body: 12 triangles, with an inside, ")
     assert so.Body(shapes.cube(), spacing=0.25).nbytes < so.Body(shapes.cube(), spacing=0.02).nbytes
 
 

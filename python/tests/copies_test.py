@@ -31,22 +31,22 @@ def test_queries(sign, tmp_path):
 
 def test_bodies(tmp_path):
     body = so.Body(shapes.cube())
-    body.save(tmp_path / "x.model")
+    body.save(tmp_path / "x.body")
     poses = np.stack([shapes.pose((x, 0.1, 0), (1, 2, 3), x) for x in np.linspace(0, 3, 20)])
     for again in (
         pickle.loads(pickle.dumps(body)),
         copy.copy(body),
         copy.deepcopy(body),
-        so.Body.load(tmp_path / "x.model"),
+        so.Body.load(tmp_path / "x.body"),
     ):
         np.testing.assert_array_equal(so.collide(again, body, poses).hit, so.collide(body, body, poses).hit)
         assert repr(again) == repr(body)
-        assert (again.closed, again.bounds) == (body.closed, body.bounds)
+        assert (again.has_inside, again.bounds) == (body.has_inside, body.bounds)
 
 
 def test_small_things():
     mesh = so.Mesh(*shapes.cube(), notes=("a note",))
-    small = [mesh, so.Grid.fit(mesh), so.Sign("shell", thickness=2), so.field(mesh, resolution=8).sign, so.report(mesh),
+    small = [mesh, so.Grid.fit(mesh), so.Sign("shell", shell=2), so.field(mesh, resolution=8).sign, so.report(mesh),
              so.verify(so.field(mesh, resolution=8), mesh)]  # fmt: skip
     for thing in small:
         assert pickle.loads(pickle.dumps(thing)) == thing

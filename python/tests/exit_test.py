@@ -34,10 +34,10 @@ def run(code: str, *arguments: str) -> subprocess.CompletedProcess:
         "so.field(shapes.soup(50_000, size=3), resolution=400, sign=None, progress=lambda stage, fraction: None)",
         "list(so.fields(itertools.repeat(shapes.cube()), resolution=12, workers=2))",
         "[list(so.fields([shapes.cube()] * 3, resolution=4, workers=2)) for _ in itertools.count()]",
-        "[so.distance(shapes.cube(), np.zeros((5, 3))) for _ in itertools.count()]",
+        "[so.distance(shapes.cube(), np.zeros((5, 3)), sign=None) for _ in itertools.count()]",
         "[field.numpy() for _ in itertools.count()]",
         "[field(np.zeros((1000, 3))) for _ in itertools.count()]",
-        "[so.MeshQuery(shapes.sphere(20)) for _ in itertools.count()]",
+        "[so.MeshQuery(shapes.sphere(20), sign=None) for _ in itertools.count()]",
         "[so.collide(body, body, np.stack([np.eye(4)] * 300)) for _ in itertools.count()]",
         "[field.save(sys.argv[1]) for _ in itertools.count()]",
     ],
@@ -63,7 +63,7 @@ def test_python_ends_while_a_daemon_thread_computes(work, tmp_path):
     "work, replaced",
     [
         ("so.field(soup, resolution=400, sign=None, progress=go_on_for_ever)", None),
-        ("so.MeshQuery(soup).closest(np.zeros((1_000_000, 3)), progress=go_on_for_ever)", None),
+        ("so.MeshQuery(soup, sign=None).closest(np.zeros((1_000_000, 3)), progress=go_on_for_ever)", None),
         ("so.field((np.eye(3), [[0, 1, 9]]), resolution=4)", "so._errors.make"),
         ("list(so.fields(itertools.repeat(shapes.cube()), resolution=4, workers=2, prepare=go_on))", None),
         ("so.fields(slow_meshes(), resolution=4, workers=2).__next__()", None),
@@ -167,7 +167,7 @@ def test_nothing_is_left_when_python_ends():
     """nanobind names the objects that were not freed."""
     done = run("""
         import numpy as np, shapes, standoff as so
-        kept = [so.field(shapes.cube(), resolution=20), so.MeshQuery(shapes.cube()), so.Body(shapes.cube()), so.report(shapes.cube())]
+        kept = [so.field(shapes.cube(), resolution=20), so.MeshQuery(shapes.cube(), sign=None), so.Body(shapes.cube()), so.report(shapes.cube())]
         kept.append(kept[0].tiles())
         for _ in range(3):
             try:

@@ -17,8 +17,8 @@ USAGE = [
     {"shape": (8, 8)}, {"shape": ()}, {"band": 0}, {"band": -1}, {"band": NAN}, {"band": INF}, {"thickness": 0},
     {"thickness": -1}, {"thickness": NAN}, {"padding": -1}, {"padding": NAN}, {"padding": INF}, {"padding": 1e300},
     {"threads": -1}, {"threads": 10**6}, {"threads": 2**40}, {"shape": (2**70, 8, 8)}, {"device": "tpu"}, {"device": "cuda:x"}, {"device": "cuda:-1"}, {"device": ""},
-    {"method": "fast"}, {"sign": "positive"}, {"sign": so.Sign("shell")}, {"sign": so.Sign("shell", thickness=NAN)},
-    {"sign": so.Sign(rule="even")}, {"memory_limit": -1}, {"resolution": 8, "spacing": 1}, {"band": 1, "thickness": 1},
+    {"method": "fast"}, {"sign": "positive"}, {"sign": so.Sign("shell")}, {"sign": so.Sign("shell", shell=NAN)},
+    {"sign": so.Sign(rule="even")}, {"resolution": 8, "spacing": 1}, {"band": 1, "thickness": 1},
     {"resolution": 8, "shape": (8, 8, 8)}, {"spacing": 1, "shape": (8, 8, 8)},
     {"grid": so.Grid((8, 8, 8), (0, 0, 0), (1, 1, 1)), "resolution": 8},
     {"grid": so.Grid((8, 8, 8), (0, 0, 0), (1, 1, 1)), "padding": 1},
@@ -30,7 +30,7 @@ TYPE = [
     {"band": "3"}, {"band": [3]}, {"thickness": "3"}, {"thickness": 1j}, {"padding": "2"}, {"padding": None, "band": object()},
     {"grid": (8, 8, 8)}, {"grid": "fit"}, {"threads": "2"}, {"threads": 1.5}, {"device": None},
     {"device": 0}, {"method": None}, {"sign": True}, {"sign": 3}, {"sign": so.Sign(3)}, {"sign": so.Sign(invert="no")},
-    {"sign": so.Sign("shell", thickness=None)}, {"memory_limit": 1.5}, {"memory_limit": "1G"}, {"progress": 3},
+    {"sign": so.Sign("shell", shell=None)}, {"memory_limit": 1.5}, {"memory_limit": "1G"}, {"progress": 3},
     {"progress": "yes"}, {"resolutoin": 8},
 ]  # fmt: skip
 
@@ -52,7 +52,7 @@ def test_types_that_make_no_sense(options):
 
 def test_errors_name_the_argument_and_not_the_compiled_function():
     cube = so.Body(shapes.cube())
-    query, band, one = so.MeshQuery(MESH), so.field(MESH, resolution=8, band=2), np.eye(4)
+    query, band, one = so.MeshQuery(MESH, sign=None), so.field(MESH, resolution=8, band=2), np.eye(4)
     for call in (
         lambda **options: so.field(MESH, resolution=8, **options),
         lambda **options: so.field(MESH, resolution=8, band=2, **options),
@@ -116,7 +116,7 @@ def test_fields_that_no_machine_holds(resolution, band):
 
 def test_no_limit_at_all():
     for options in ({}, {"band": 1}):
-        so.field(MESH, resolution=8, memory_limit=0, **options)
+        so.field(MESH, resolution=8, memory_limit=-1, **options)
 
 
 def test_signs_that_cannot_work():

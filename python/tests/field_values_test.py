@@ -103,7 +103,7 @@ def test_a_sheet_is_warned_of():
     assert (field.numpy() >= 0).all()
     with pytest.raises(so.DoubtError):
         so.field(shapes.sheet(), resolution=12, sign=so.Sign(strict=True))
-    shell = so.field(shapes.sheet(), resolution=12, sign=so.Sign("shell", thickness=0.4))
+    shell = so.field(shapes.sheet(), resolution=12, sign=so.Sign("shell", shell=0.4))
     assert (shell.numpy() < 0).any()
 
 

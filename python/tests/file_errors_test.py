@@ -12,12 +12,12 @@ import standoff as so
 
 MESH = so.Mesh(*shapes.cube())
 READ = {"read": so.read, "load": so.load, "query": so.MeshQuery.load, "body": so.Body.load}
-EXTENSION = {"read": ".obj", "load": ".npz", "query": ".query", "body": ".model"}
+EXTENSION = {"read": ".obj", "load": ".npz", "query": ".query", "body": ".body"}
 every_reader = pytest.mark.parametrize("kind", READ)
 
 
 def saved(kind, path):
-    thing = {"read": lambda: MESH, "load": lambda: so.field(MESH, resolution=12), "query": lambda: so.MeshQuery(MESH),
+    thing = {"read": lambda: MESH, "load": lambda: so.field(MESH, resolution=12), "query": lambda: so.MeshQuery(MESH, sign=None),
              "body": lambda: so.Body(MESH)}[kind]()  # fmt: skip
     thing.save(path)
     return path
@@ -103,8 +103,13 @@ def test_lines_and_bytes(tmp_path):
     assert len(so.read(tmp_path / "text.obj.gz").faces) == 1
 
 
-WRITE = {"mesh": MESH, "field": so.field(MESH, resolution=8), "query": so.MeshQuery(MESH), "body": so.Body(MESH)}
-ENDING = {"mesh": ".ply", "field": ".vdb", "query": ".query", "body": ".model"}
+WRITE = {
+    "mesh": MESH,
+    "field": so.field(MESH, resolution=8),
+    "query": so.MeshQuery(MESH, sign=None),
+    "body": so.Body(MESH),
+}
+ENDING = {"mesh": ".ply", "field": ".vdb", "query": ".query", "body": ".body"}
 every_writer = pytest.mark.parametrize("kind", WRITE)
 
 

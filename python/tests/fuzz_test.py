@@ -40,7 +40,7 @@ def test_any_arrays_as_a_mesh(vertices, faces):
         lambda: mesh.bounds,
         lambda: so.field(mesh, resolution=6),
         lambda: so.field(mesh, resolution=6, band=1, nearest=True),
-        lambda: so.distance(mesh, [[0, 0, 0], [1e3, 2, 3]], signed=True, closest=True),
+        lambda: so.distance(mesh, [[0, 0, 0], [1e3, 2, 3]], closest=True),
         lambda: so.collide(so.Body(mesh), so.Body(mesh), np.eye(4), containment=True),
         lambda: so.report(mesh),
         lambda: so.surface(mesh, resolution=6, at=0.1),
@@ -52,10 +52,10 @@ def test_any_arrays_as_a_mesh(vertices, faces):
 @given(good_meshes(), arrays.arrays(np.float64, (5, 3), elements=tame))
 def test_distances_of_any_triangles(mesh, points):
     exact = brute_force.distance(mesh, points)
-    np.testing.assert_allclose(so.distance(mesh, points), exact, atol=1e-12)
+    np.testing.assert_allclose(so.distance(mesh, points, sign=None), exact, atol=1e-12)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", so.SignWarning)
-        found = so.distance(mesh, points, signed=True, closest=True)
+        found = so.distance(mesh, points, closest=True)
         np.testing.assert_allclose(np.abs(found.distance), exact, atol=1e-12)
         field = so.field(mesh, grid=so.Grid((5, 4, 3), (-2, -2, -2), (1, 1.25, 1.5)))
     exact = brute_force.distance(mesh, field.grid.points().reshape(-1, 3)).reshape(field.shape)
@@ -93,7 +93,7 @@ options = st.fixed_dictionaries(
     {},
     optional={
         "resolution": numbers, "spacing": numbers, "shape": numbers, "padding": numbers, "band": numbers, "thickness": numbers,
-        "sign": st.sampled_from([None, "auto", "winding", "flood", "x", 3, so.Sign("shell", thickness=0.2), so.Sign(rule="x")]),
+        "sign": st.sampled_from([None, "auto", "winding", "flood", "x", 3, so.Sign("shell", shell=0.2), so.Sign(rule="x")]),
         "nearest": st.booleans(), "method": st.sampled_from(["tiles", "thesis", "x", None]), "threads": st.sampled_from([0, 1, 3, -1, None]),
         "device": st.sampled_from(["auto", "cpu", "emulated", "cuda", "cuda:9", "x", None]),
         "memory_limit": st.just(10**7) | numbers, "progress": st.sampled_from([None, False, 3]),

@@ -17,7 +17,7 @@ def needs(package):
 
 
 def is_cube(mesh, accuracy=1e-12):
-    np.testing.assert_allclose(so.distance(mesh, POINTS, signed=True), shapes.cube_distance(POINTS), atol=accuracy)
+    np.testing.assert_allclose(so.distance(mesh, POINTS), shapes.cube_distance(POINTS), atol=accuracy)
     assert so.report(mesh).volume == pytest.approx(1)
 
 
@@ -67,7 +67,7 @@ def test_open3d():
     sphere = open3d.t.geometry.TriangleMesh.create_sphere()
     scene.add_triangles(sphere)
     theirs = scene.compute_signed_distance(POINTS.astype(np.float32)).numpy()
-    np.testing.assert_allclose(so.distance(sphere, POINTS, signed=True), theirs, atol=1e-5)
+    np.testing.assert_allclose(so.distance(sphere, POINTS), theirs, atol=1e-5)
 
 
 @needs("torch")
@@ -89,16 +89,16 @@ def test_torch_tensors_in_and_out():
     ):
         points = torch.from_numpy(POINTS).to(dtype)
         for ask in (
-            lambda p: so.distance(mesh, p),
-            lambda p: so.distance(mesh, p, closest=True).point,
+            lambda p: so.distance(mesh, p, sign=None),
+            lambda p: so.distance(mesh, p, sign=None, closest=True).point,
             field,
             field.gradient,
         ):
             answers = ask(points)
             assert isinstance(answers, torch.Tensor) and answers.dtype == expected
             assert torch.equal(answers, torch.from_numpy(np.ascontiguousarray(ask(points.numpy()))))
-    assert so.distance(mesh, torch.zeros(3)).shape == ()
-    assert so.distance(mesh, torch.zeros(0, 3)).shape == (0,)
+    assert so.distance(mesh, torch.zeros(3), sign=None).shape == ()
+    assert so.distance(mesh, torch.zeros(0, 3), sign=None).shape == (0,)
     bodies = so.Body(mesh), so.Body(mesh)
     for value in vars(so.collide(*bodies, torch.eye(4).expand(5, 4, 4))).values():
         assert isinstance(value, torch.Tensor) and value.shape == (5,)
@@ -111,7 +111,7 @@ def test_torch_tensors_in_and_out():
         torch.zeros(2, 3).to_sparse(),
     ):
         with pytest.raises((TypeError, ValueError)):
-            so.distance(mesh, wrong)
+            so.distance(mesh, wrong, sign=None)
 
 
 @needs("torch")

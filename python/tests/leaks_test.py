@@ -41,7 +41,7 @@ SMALL = {
     "field of tiles": (lambda: so.field(MESH, resolution=8, band=1), 1500),
     "field on one thread": (lambda: so.field(MESH, resolution=4, threads=1), 1500),
     "field on three threads": (lambda: so.field(MESH, resolution=4, threads=3), 1500),
-    "query": (lambda: so.MeshQuery(MESH), 1500),
+    "query": (lambda: so.MeshQuery(MESH, sign=None), 1500),
     "collide": (lambda: so.collide(BODY, BODY, POSE), 1500),
     "collide many": (lambda: so.collide(BODY, BODY, np.stack([POSE] * 40)), 1500),
     "fields on a GPU": (lambda: list(so.fields(GPU_MESHES, workers=1, resolution=4, **ON_GPU)), 500),
@@ -85,7 +85,7 @@ def test_inputs_are_let_go():
         mesh = so.Mesh(vertices, faces)
         results = [
             so.field(mesh, shape=(6, 6, 6), out=out, progress=progress),
-            so.MeshQuery(mesh),
+            so.MeshQuery(mesh, sign=None),
             so.Body(mesh),
             so.report(mesh),
         ]

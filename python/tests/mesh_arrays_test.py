@@ -9,7 +9,7 @@ from shapes import cube
 VERTICES, FACES = cube()
 VERTICES = VERTICES + 0.25  # exact in every float type
 POINTS = np.random.default_rng(1).uniform(-1, 2, (50, 3))
-EXPECTED = so.distance((VERTICES, FACES), POINTS, signed=True)
+EXPECTED = so.distance((VERTICES, FACES), POINTS)
 
 
 def address(array):
@@ -62,7 +62,7 @@ def test_layouts_give_the_same_mesh(layout, vertex_type, face_type):
     mesh = so.Mesh(lay(VERTICES.astype(vertex_type)), lay(FACES.astype(face_type)))
     np.testing.assert_array_equal(mesh.vertices, VERTICES)
     np.testing.assert_array_equal(mesh.faces, FACES)
-    np.testing.assert_array_equal(so.distance(mesh, POINTS, signed=True), EXPECTED)
+    np.testing.assert_array_equal(so.distance(mesh, POINTS), EXPECTED)
     field = so.field(mesh, resolution=12)
     np.testing.assert_array_equal(field.numpy(), so.field((VERTICES, FACES), resolution=12).numpy())
 
@@ -91,7 +91,7 @@ def test_memory_that_fits_is_not_copied(layout):
 def test_inputs_are_not_changed_and_not_kept():
     vertices, faces = VERTICES.copy(), FACES.copy()
     field = so.field((vertices, faces), resolution=16, band=2)
-    query, body = so.MeshQuery((vertices, faces)), so.Body((vertices, faces))
+    query, body = so.MeshQuery((vertices, faces), sign=None), so.Body((vertices, faces))
     np.testing.assert_array_equal(vertices, VERTICES)
     np.testing.assert_array_equal(faces, FACES)
     before = field.numpy().copy()
@@ -144,7 +144,9 @@ def test_subclasses_of_arrays_are_taken_as_arrays():
     assert address(mesh.vertices) == address(VERTICES)
     field = so.field(mesh, resolution=8)
     np.testing.assert_array_equal(field(POINTS.view(Sealed)), field(POINTS))
-    np.testing.assert_array_equal(so.distance(mesh, POINTS.view(Sealed)), so.distance(mesh, POINTS))
+    np.testing.assert_array_equal(
+        so.distance(mesh, POINTS.view(Sealed), sign=None), so.distance(mesh, POINTS, sign=None)
+    )
     body = so.Body(mesh)
     for pose in (np.eye(4), np.eye(7)[6]):
         assert so.collide(body, body, pose.view(Sealed)).hit

@@ -10,8 +10,8 @@ VERTICES, FACES = cube()
 USES = {
     "field": lambda mesh: so.field(mesh, resolution=8),
     "band": lambda mesh: so.field(mesh, resolution=16, band=2),
-    "distance": lambda mesh: so.distance(mesh, [[0, 0, 0]]),
-    "closest": lambda mesh: so.distance(mesh, [[0, 0, 0]], closest=True),
+    "distance": lambda mesh: so.distance(mesh, [[0, 0, 0]], sign=None),
+    "closest": lambda mesh: so.distance(mesh, [[0, 0, 0]], sign=None, closest=True),
     "signed": lambda mesh: so.MeshQuery(mesh, sign="auto"),
     "body": so.Body,
     "report": so.report,

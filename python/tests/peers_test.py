@@ -46,7 +46,7 @@ def test_trimesh_scenes_and_back():
 
 def test_trimesh_closest_points():
     mesh = trimesh.creation.icosphere(2)
-    ours = so.distance(mesh, POINTS, closest=True)
+    ours = so.distance(mesh, POINTS, sign=None, closest=True)
     triangles = mesh.triangles[ours.triangle]
     theirs = trimesh.triangles.closest_point(triangles, POINTS)
     np.testing.assert_allclose(ours.point, theirs, atol=1e-9)
@@ -69,10 +69,10 @@ def test_trimesh_reads_what_we_write(tmp_path):
 def test_meshio(tmp_path):
     vertices, faces = shapes.cube()
     mesh = meshio.Mesh(vertices, [("triangle", faces[:6]), ("line", faces[:2, :2]), ("triangle", faces[6:])])
-    np.testing.assert_allclose(so.distance(mesh, POINTS, signed=True), shapes.cube_distance(POINTS), atol=1e-12)
+    np.testing.assert_allclose(so.distance(mesh, POINTS), shapes.cube_distance(POINTS), atol=1e-12)
     quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
     np.testing.assert_allclose(
-        so.distance(meshio.Mesh(vertices, [("quad", quads)]), POINTS, signed=True),
+        so.distance(meshio.Mesh(vertices, [("quad", quads)]), POINTS),
         shapes.cube_distance(POINTS),
         atol=1e-12,
     )

@@ -12,7 +12,7 @@ BAND = so.field(shapes.cube(), resolution=24, band=3)
 RANDOM = np.random.default_rng(5)
 SCALARS = {
     "distance": QUERY.distance,
-    "function": lambda points: so.distance(shapes.cube(), points, signed=True),
+    "function": lambda points: so.distance(shapes.cube(), points),
     "winding": QUERY.winding_number,
     "closest distance": lambda points: QUERY.closest(points).distance,
     "field": FIELD,

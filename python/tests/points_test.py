@@ -36,13 +36,13 @@ def test_distances(mesh):
     points = points_about(mesh)
     exact = brute_force.distance(mesh, points)
     scale = np.abs(points).max()
-    np.testing.assert_allclose(so.distance(mesh, points), exact, rtol=1e-13, atol=1e-14 * scale)
+    np.testing.assert_allclose(so.distance(mesh, points, sign=None), exact, rtol=1e-13, atol=1e-14 * scale)
 
 
 @every_mesh
 def test_closest_points(mesh):
     points = points_about(mesh)
-    found = so.distance(mesh, points, closest=True)
+    found = so.distance(mesh, points, sign=None, closest=True)
     vertices, faces = mesh
     scale = np.abs(points).max()
     all_distances = brute_force.distances(mesh, points)
@@ -64,7 +64,7 @@ def test_closest_points(mesh):
 def test_ties_go_to_the_lowest_index():
     mesh = shapes.cube()
     twice = (mesh[0], np.concatenate([mesh[1], mesh[1]]))
-    found = so.distance(twice, RANDOM.uniform(-1, 1, (200, 3)), closest=True)
+    found = so.distance(twice, RANDOM.uniform(-1, 1, (200, 3)), sign=None, closest=True)
     assert found.triangle.max() < 12
 
 
@@ -73,7 +73,7 @@ def test_features(mesh):
     vertices, _ = mesh
     middle = vertices.mean(axis=0)
     points = np.concatenate([middle + 10 * (vertices - middle), points_about(mesh)])
-    found = so.distance(mesh, points, closest=True)
+    found = so.distance(mesh, points, sign=None, closest=True)
     assert list(so.FEATURES) == ["face", "edge 0", "edge 1", "edge 2", "vertex 0", "vertex 1", "vertex 2"]
     for feature, weights in zip(found.feature, found.barycentric):
         kind, _, number = so.FEATURES[feature].partition(" ")
@@ -87,21 +87,21 @@ def test_features(mesh):
 
 def test_signs():
     points = RANDOM.uniform(-1, 1, (2000, 3))
-    signed = so.distance(shapes.cube(), points, signed=True)
+    signed = so.distance(shapes.cube(), points)
     np.testing.assert_allclose(signed, shapes.cube_distance(points), rtol=1e-12, atol=1e-13)
     for sign in ("auto", "winding", "parity", so.Sign("winding")):
-        np.testing.assert_array_equal(so.distance(shapes.cube(), points, signed=sign), signed)
-    np.testing.assert_array_equal(so.distance(shapes.cube(), points, signed=so.Sign("winding", invert=True)), -signed)
-    np.testing.assert_array_equal(so.distance(shapes.cube(), points), np.abs(signed))
-    found = so.distance(shapes.cube(), points, signed=True, closest=True)
+        np.testing.assert_array_equal(so.distance(shapes.cube(), points, sign=sign), signed)
+    np.testing.assert_array_equal(so.distance(shapes.cube(), points, sign=so.Sign("winding", invert=True)), -signed)
+    np.testing.assert_array_equal(so.distance(shapes.cube(), points, sign=None), np.abs(signed))
+    found = so.distance(shapes.cube(), points, closest=True)
     np.testing.assert_array_equal(found.distance, signed)
-    inside = so.distance(shapes.tetrahedron(), points, signed=True) < 0
+    inside = so.distance(shapes.tetrahedron(), points) < 0
     np.testing.assert_array_equal(inside, shapes.in_tetrahedron(points))
 
 
 def test_the_gradient_leads_out_of_the_cube():
     points = RANDOM.uniform(-1, 1, (500, 3))
-    found = so.distance(shapes.cube(), points, signed=True, closest=True)
+    found = so.distance(shapes.cube(), points, closest=True)
     step = 1e-6
     grown = shapes.cube_distance(points + step * found.gradient)
     np.testing.assert_allclose((grown - shapes.cube_distance(points)) / step, 1, atol=1e-5)
@@ -122,17 +122,21 @@ def test_a_query_answers_like_the_function():
     points = points_about(shapes.sphere(6))
     query = so.MeshQuery(shapes.sphere(6), sign="auto")
     assert query.signed
-    np.testing.assert_array_equal(query.distance(points), so.distance(shapes.sphere(6), points, signed=True))
-    np.testing.assert_array_equal(so.distance(query, points, signed=True), query.distance(points))
+    np.testing.assert_array_equal(query.distance(points), so.distance(shapes.sphere(6), points))
+    np.testing.assert_array_equal(so.distance(query, points), query.distance(points))
     assert query.nbytes > 0
     assert repr(query).startswith(f"<standoff.MeshQuery: {len(shapes.sphere(6)[1])} triangles, signed (winding)")
     for threads in (1, 2, 5):
         np.testing.assert_array_equal(query.distance(points, threads=threads), query.distance(points))
-    for wrong in (False, "winding", so.Sign()):
-        with pytest.raises(ValueError, match="^signed: "):
-            so.distance(query, points, signed=wrong)
-    with pytest.raises(ValueError, match="^signed: "):
-        so.distance(so.MeshQuery(shapes.cube()), points, signed=True)
+    for wrong in (None, "winding", so.Sign("winding")):
+        with pytest.raises(ValueError, match="^sign: "):
+            so.distance(query, points, sign=wrong)
+    unsigned = so.MeshQuery(shapes.sphere(6), sign=None)
+    np.testing.assert_array_equal(so.distance(unsigned, points), np.abs(query.distance(points)))
+    body = so.Body(shapes.cube())
+    for wrong in ((body, body), (shapes.cube(), body), (body, points)):
+        with pytest.raises(TypeError, match=r"standoff\.distance_between\(a, b, poses\)"):
+            so.distance(*wrong)
     with pytest.warns(so.SignWarning) as caught:
         assert not so.MeshQuery(shapes.sheet(), sign="auto").signed
     assert caught[0].filename == __file__

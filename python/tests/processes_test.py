@@ -49,7 +49,7 @@ def test_workers_after_the_parent_computed(method):
 def ask_after_fork():
     """In the child: an answer, or an error that says what to do; no waiting for threads that are not there."""
     try:
-        so.distance(shapes.cube(), POINTS[:100])
+        so.distance(shapes.cube(), POINTS[:100], sign=None)
     except so.UsageError as error:
         assert "spawn" in str(error)
 

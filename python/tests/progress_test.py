@@ -10,7 +10,7 @@ import shapes
 import standoff as so
 
 SOUP = so.Mesh(*shapes.soup(3000, size=0.3))
-QUERY = so.MeshQuery(SOUP)
+QUERY = so.MeshQuery(SOUP, sign=None)
 CUBE, SPHERE = so.Body(shapes.cube()), so.Body(shapes.sphere(20))
 RANDOM = np.random.default_rng(2)
 POINTS = RANDOM.random((200_000, 3))

@@ -83,7 +83,7 @@ OBJECTS = {
 @pytest.mark.parametrize("thing", OBJECTS.values(), ids=OBJECTS.keys())
 def test_objects_are_the_cube(thing):
     points = np.random.default_rng(1).uniform(-1, 1, (100, 3))
-    np.testing.assert_allclose(so.distance(thing, points, signed=True), shapes.cube_distance(points), atol=1e-12)
+    np.testing.assert_allclose(so.distance(thing, points), shapes.cube_distance(points), atol=1e-12)
     report = so.report(thing)
     assert report.triangles == 12 and report.volume == pytest.approx(1)
     assert so.Grid.fit(thing, resolution=8) == so.Grid.fit(CUBE, resolution=8)
@@ -118,7 +118,7 @@ def test_arrays_on_a_gpu_are_named():
         with pytest.raises(so.DeviceError, match="copy it"):
             so.Mesh(vertices, FACES)
     with pytest.raises(so.DeviceError, match="points"):
-        so.distance(CUBE, OnGpu(VERTICES))
+        so.distance(CUBE, OnGpu(VERTICES), sign=None)
     with pytest.raises(so.DeviceError, match="poses"):
         so.collide(so.Body(CUBE), so.Body(CUBE), OnGpu(np.eye(4)))
 
@@ -147,10 +147,10 @@ def test_array_api_answers_come_back_in_the_callers_library():
             return Namespace
 
     points = np.random.default_rng(1).uniform(-1, 1, (5, 3))
-    answers = so.distance(CUBE, Other(points), closest=True)
+    answers = so.distance(CUBE, Other(points), sign=None, closest=True)
     for name, value in vars(answers).items():
         assert isinstance(value, Other), name
-    np.testing.assert_array_equal(answers.distance.array, so.distance(CUBE, points))
+    np.testing.assert_array_equal(answers.distance.array, so.distance(CUBE, points, sign=None))
     poses = Other(np.stack([np.eye(4)] * 3))
     assert isinstance(so.collide(so.Body(CUBE), so.Body(CUBE), poses).hit, Other)
     touching = so.contacts(so.Body(CUBE), so.Body(CUBE), Other(np.eye(4)))

@@ -14,11 +14,11 @@ RANDOM = np.random.default_rng(4)
 POINTS = RANDOM.random((20_000, 3))
 SPHERE, CUBE = so.Body(shapes.sphere(20)), so.Body(shapes.cube())
 POSES = np.stack([shapes.pose(offset) for offset in RANDOM.uniform(-2, 2, (2000, 3))])
-QUERY = so.MeshQuery(SOUP)
+QUERY = so.MeshQuery(SOUP, sign=None)
 SMALL = so.MeshQuery(shapes.sphere(12), sign="auto")
 WORK = {
     "field": lambda: so.field(SOUP, resolution=80, sign=None),
-    "query": lambda: so.MeshQuery(SOUP),
+    "query": lambda: so.MeshQuery(SOUP, sign=None),
     "distance": lambda: QUERY.distance(POINTS),
     "distance of few points": lambda: [QUERY.distance(POINTS[:1900]) for _ in range(5)],
     "body": lambda: so.Body(shapes.sphere(60)),

@@ -26,8 +26,8 @@ def first_field(path: Path) -> npt.NDArray[np.float32]:
 def points(mesh: so.Mesh, where: npt.NDArray[np.float64]) -> float:
     query = so.MeshQuery(mesh, sign="auto")
     nearest = query.closest(where)
-    also: so.ClosestPoints = so.distance(mesh, where, closest=True)
-    print(nearest.point, also.gradient, so.distance(query, where, signed=True))
+    also: so.ClosestPoints = so.distance(mesh, where, sign=None, closest=True)
+    print(nearest.point, also.gradient, so.distance(query, where))
     return float(query.distance(where).max())
 
 

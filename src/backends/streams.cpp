@@ -61,12 +61,6 @@ std::vector<OrError<Answer>> in_halves(std::vector<OrError<Answer>> (*run)(std::
   return answers;
 }
 
-template <class Answer>
-Answer only_one(std::vector<OrError<Answer>> answers) {
-  if (const Error* const error = std::get_if<Error>(&answers[0])) throw *error;
-  return std::get<Answer>(std::move(answers[0]));
-}
-
 // Throws Error{usage}.
 void check(const FieldRequest& request, const OnStream& on) {
   ComputeOptions options;
@@ -100,8 +94,6 @@ std::vector<OrError<Box>> bounds_of_each(std::span<const MeshView> meshes, const
   throw_as_error("cuda");
 }
 
-Box bounds(const MeshView& mesh, const OnStream& on) { return only_one(bounds_of_each({&mesh, 1}, on)); }
-
 std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests, const OnStream& on) try {
   const StreamDevice& device = device_of(on);
   std::vector<OrError<ComputeReport>> answers(requests.size());
@@ -123,12 +115,6 @@ std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> r
   return answers;
 } catch (...) {
   throw_as_error("cuda");
-}
-
-ComputeReport compute_into(const MeshView& mesh, const Grid& grid, double thickness, float* values, Method method,
-                           const OnStream& on) {
-  const FieldRequest request{mesh, grid, thickness, values, method};
-  return only_one(compute_each({&request, 1}, on));
 }
 
 void copy_to_host(const float* values, std::span<float> to, const OnStream& on) try {

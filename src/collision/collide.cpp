@@ -161,8 +161,8 @@ std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, do
 namespace {
 
 // Does collide() on the CPU, without its checks.
-CollisionResult collide_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, double margin, const Kernels& kernels) {
+CollisionResult collide_exactly(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, double margin,
+                                const Kernels& kernels) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
   const auto found = find_intersecting_pair(pair, margin);
   if (!found) return {};
@@ -193,9 +193,9 @@ CollisionResult result_of(const QueryPair& bodies, const PoseAnswer& answer) {
 
 // Poses that a sphere and a box show to be free stay on the host. The others go to the device in batches, and the CPU
 // decides those that it leaves undecided.
-std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
-                                               const Execution& execution, BatchReport& report, int stack) {
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
+                                               std::span<const Pose> poses_b, double margin, const Execution& execution,
+                                               BatchReport& report, int stack) {
   std::vector<CollisionResult> results(poses_b.size());
   const Kernels& kernels = kernels_for(execution.simd, "collide");
   const QueryPair bodies(a, pose_a, b, {}, kernels);  // which body is the target does not depend on poses
@@ -249,16 +249,16 @@ void check(const CollideOptions& options) {
 }
 
 // Turns a free result into a hit if one body is inside the other.
-CollisionResult with_containment(CollisionResult result, const CollisionModel& a, const Pose& pose_a,
-                                 const CollisionModel& b, const Pose& pose_b) {
+CollisionResult with_containment(CollisionResult result, const Body& a, const Pose& pose_a, const Body& b,
+                                 const Pose& pose_b) {
   if (result.hit()) return result;
   result.containment = collision::containment(a, pose_a, b, pose_b);
   if (result.containment != Containment::none) result.verdict = Verdict::hit;
   return result;
 }
 
-CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, const CollideOptions& options, const collision::Kernels& kernels) {
+CollisionResult collide_checked(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                const CollideOptions& options, const collision::Kernels& kernels) {
   if (options.mode == CollideMode::exact)
     return collision::collide_exactly(a, pose_a, b, pose_b, options.margin, kernels);
   return {.verdict = collision::certify(collision::QueryPair(a, pose_a, b, pose_b, kernels), options.margin)};
@@ -266,7 +266,7 @@ CollisionResult collide_checked(const CollisionModel& a, const Pose& pose_a, con
 
 }  // namespace
 
-CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+CollisionResult collide(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                         const CollideOptions& options) try {
   check(options);
   if (options.containment) collision::require_closed(a, b);
@@ -278,9 +278,9 @@ CollisionResult collide(const CollisionModel& a, const Pose& pose_a, const Colli
   throw_as_error("collide");
 }
 
-std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+BatchResult<CollisionResult> collide_all(const Body& a, const Pose& pose_a, const Body& b,
                                          std::span<const Pose> poses_b, const CollideOptions& options,
-                                         const Execution& execution, BatchReport* report) try {
+                                         const Execution& execution) try {
   const bool certified = options.mode == CollideMode::certified;
   check(options);
   validate(certified ? "collide: certified mode" : "collide", execution,
@@ -291,8 +291,8 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "collide");
   const Backend backend = certified ? Backend::cpu : execution.backend;
   const collision::DeviceRow* const row = collision::find_device(backend, poses_b.size());
-  BatchReport done{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
-  auto results = row ? collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, execution, done)
+  BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
+  auto results = row ? collision::collide_on_device(*row, a, pose_a, b, poses_b, options.margin, execution, report)
                      : collision::for_each<CollisionResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
                          return collide_checked(a, pose_a, b, poses_b[n], options, kernels);
                        });
@@ -300,8 +300,7 @@ std::vector<CollisionResult> collide_all(const CollisionModel& a, const Pose& po
     results = collision::for_each<CollisionResult>(results.size(), execution.threads, [&](std::size_t n) {
       return with_containment(results[n], a, pose_a, b, poses_b[n]);
     });
-  if (report) *report = done;
-  return results;
+  return {std::move(results), std::move(report)};
 } catch (...) {
   throw_as_error("collide");
 }

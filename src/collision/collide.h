@@ -32,17 +32,17 @@ enum class Side { unknown, outside, inside };
 /// nearer to x than to the surface, it is on the same side, because the segment between the two does not cross the
 /// surface. `x` is relative to the body's middle; `slack` bounds the sum of the errors of x, the surface and the
 /// samples' values. Requires a closed body.
-Side side_of(const ModelData& body, Vec3 x, double slack);
+Side side_of(const BodyData& body, Vec3 x, double slack);
 
 /// Tests whether points of the world are inside a closed body. The answer is exact for the body's surface with its
 /// corners rounded to world coordinates, the same surface that verdicts are about.
 class InsideTest {
  public:
   /// Requires a closed body, which must outlive the test.
-  explicit InsideTest(const PlacedModel& container);
+  explicit InsideTest(const PlacedBody& container);
 
   /// Whether another body is certainly outside this one's box.
-  bool is_apart(const PlacedModel& other) const;
+  bool is_apart(const PlacedBody& other) const;
   /// Whether the winding number at a point of the world is positive. Requires a point that is not on the surface.
   bool is_inside(Vec3 point) const;
   /// The same by a ray, without the fields.
@@ -52,23 +52,22 @@ class InsideTest {
   Vec3 in_body(Vec3 point) const { return rotate_back(container_.pose, point - middle_); }
   int winding(Vec3 point, int level, std::uint32_t packet) const;
 
-  const PlacedModel& container_;
+  const PlacedBody& container_;
   Vec3 middle_;          // the container's middle in the world
   double slack_;         // error of points in the container's coordinates
   double sphere_slack_;  // error of its bounding spheres in the world
 };
 
 /// Throws Error{input} unless at least one of the bodies is closed.
-void require_closed(const CollisionModel& a, const CollisionModel& b);
+void require_closed(const Body& a, const Body& b);
 
 /// Requires surfaces that do not intersect.
-Containment containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b);
+Containment containment(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b);
 
 /// Exact collide() for many poses at once. The device decides most poses, the CPU decides the others; `report` counts
 /// both. Requires poses that collide_all() has checked.
-std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                               const CollisionModel& b, std::span<const Pose> poses_b, double margin,
-                                               const Execution& execution, BatchReport& report,
-                                               int stack = kDeviceStack);
+std::vector<CollisionResult> collide_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
+                                               std::span<const Pose> poses_b, double margin, const Execution& execution,
+                                               BatchReport& report, int stack = kDeviceStack);
 
 }  // namespace standoff::collision

@@ -24,7 +24,7 @@ STANDOFF_INLINE Triple<double> rotated(const Triple<double>& v, const Triple<dou
 }
 STANDOFF_INLINE double length(const Triple<double>& v) { return sqrt(plain_dot(v, v)); }
 
-/// The motion of points of the probe in the frame of the target, relative to the models' middles. A point is given by
+/// The motion of points of the probe in the frame of the target, relative to the bodies' middles. A point is given by
 /// its offset from a base point at time 0. If the probe moves, x(t) = base + V t + rotation(+angle t) offset; if the
 /// target moves, x(t) = base + rotation(-angle t) (offset - V t).
 struct RelativeMotion {

@@ -293,7 +293,7 @@ void check(const ContactOptions& options) {
 }  // namespace
 }  // namespace collision
 
-ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+ContactResult contacts(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                        const ContactOptions& options) try {
   collision::check(options);
   validate(pose_a);
@@ -304,18 +304,18 @@ ContactResult contacts(const CollisionModel& a, const Pose& pose_a, const Collis
   throw_as_error("contacts");
 }
 
-std::vector<ContactResult> contacts_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                        std::span<const Pose> poses_b, const ContactOptions& options,
-                                        const Execution& execution) try {
+BatchResult<ContactResult> contacts_all(const Body& a, const Pose& pose_a, const Body& b, std::span<const Pose> poses_b,
+                                        const ContactOptions& options, const Execution& execution) try {
   collision::check(options);
   validate("contacts", execution, Runs::on_the_cpu);
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "contacts");
-  return collision::for_each<ContactResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
+  auto results = collision::for_each<ContactResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
     const collision::QueryPair pair(a, pose_a, b, poses_b[n], kernels);
     return collision::ContactSearch(pair, options).run();
   });
+  return {std::move(results), {.backend = "cpu"}};
 } catch (...) {
   throw_as_error("contacts");
 }

@@ -57,7 +57,7 @@ Side side_of_fine(const FieldBounds& field, std::int32_t i, std::int32_t j, std:
 
 }  // namespace
 
-Side side_of(const ModelData& body, Vec3 x, double slack) {
+Side side_of(const BodyData& body, Vec3 x, double slack) {
   const FieldBounds& field = body.field;
   const Vec3 out = max(field.box.min - x, x - field.box.max);
   if (std::max({out.x, out.y, out.z}) > slack) return Side::outside;
@@ -78,22 +78,22 @@ namespace {
 static_assert(4 * kSinglePrecisionSlack > (3 * 1.8 + 1) * gamma_float(8));
 
 // A bound of the coordinates in the transform of a body.
-double far(const PlacedModel& placed) {
+double far(const PlacedBody& placed) {
   return max_norm(placed.pose.translation) + max_norm(placed.body->middle) + placed.body->radius;
 }
 
 }  // namespace
 
-InsideTest::InsideTest(const PlacedModel& container)
+InsideTest::InsideTest(const PlacedBody& container)
     : container_(container), middle_(apply(container.pose, container.body->middle)) {
-  const ModelData& body = *container.body;
+  const BodyData& body = *container.body;
   slack_ = kInverseSlack * (body.radius + body.field.thickness()) + kDoublePrecisionSlack * far(container);
   // The spheres hold corners that were rounded to single precision, and placing them takes 8 operations in it, on
   // numbers no larger than three radii.
   sphere_slack_ = 4 * kSinglePrecisionSlack * body.radius + kDoublePrecisionSlack * far(container);
 }
 
-bool InsideTest::is_apart(const PlacedModel& other) const {
+bool InsideTest::is_apart(const PlacedBody& other) const {
   const Vec3 x = in_body(apply(other.pose, other.body->middle));
   const Box& box = container_.body->field.box;
   const Vec3 out = max(max(box.min - x, x - box.max), Vec3{0, 0, 0});
@@ -106,7 +106,7 @@ bool InsideTest::is_inside(Vec3 point) const {
 }
 
 int InsideTest::winding(Vec3 point, int level, std::uint32_t packet) const {
-  const ModelData& body = *container_.body;
+  const BodyData& body = *container_.body;
   const Sphere16& spheres = body.bvh.spheres[static_cast<std::size_t>(level)][packet];
   // The pose maps a sphere into one that is hardly larger, around the image of its centre. The radius of an empty
   // sphere is minus infinity, so no point reaches it. The loop has no branches, so that compilers vectorise it.
@@ -145,10 +145,10 @@ struct Share {
   bool some = false, all = false;
 };
 
-Share inside_share(const PlacedModel& container, const PlacedModel& content) {
+Share inside_share(const PlacedBody& container, const PlacedBody& content) {
   if (!container.body->field.has_sign()) return {};
   const InsideTest test(container);
-  const ModelData& body = *content.body;
+  const BodyData& body = *content.body;
   if (test.is_apart(content)) return {};
   Share share{false, true};
   for (const std::uint32_t triangle : body.components) {
@@ -162,15 +162,15 @@ Share inside_share(const PlacedModel& container, const PlacedModel& content) {
 
 }  // namespace
 
-void require_closed(const CollisionModel& a, const CollisionModel& b) {
-  if (!a.closed() && !b.closed())
+void require_closed(const Body& a, const Body& b) {
+  if (!a.has_inside() && !b.has_inside())
     throw Error(ErrorCode::input,
                 "collide: neither body is closed and consistently oriented, so nothing can be inside one; repair a "
                 "mesh, or leave out containment");
 }
 
-Containment containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b) {
-  const PlacedModel placed_a(data_of(a), pose_a), placed_b(data_of(b), pose_b);
+Containment containment(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b) {
+  const PlacedBody placed_a(data_of(a), pose_a), placed_b(data_of(b), pose_b);
   const Share of_b = inside_share(placed_a, placed_b);
   if (of_b.all) return Containment::b_in_a;
   const Share of_a = inside_share(placed_b, placed_a);

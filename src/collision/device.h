@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "collision/body/body.h"
 #include "collision/body/kernel_data.h"
-#include "collision/body/model.h"
 #include "collision/conservative_advancement.h"
 
 namespace standoff::collision {
@@ -37,7 +37,7 @@ inline constexpr int kDeviceStack = 256;
 
 /// Poses to be decided. A verdict of free or hit equals the CPU's.
 struct CollideJob {
-  const ModelData &target, &probe;
+  const BodyData &target, &probe;
   bool target_is_b;      ///< else it is a
   DoubleTransform of_a;  ///< a in the world
   double margin;
@@ -58,7 +58,7 @@ struct SweepAnswer {
 };
 
 struct SweepJob {
-  const ModelData &target, &probe;
+  const BodyData &target, &probe;
   std::span<const SweepQuery> queries;
   std::span<SweepAnswer> answers;  ///< one per query
   int device;

@@ -198,10 +198,10 @@ class DistanceSearch {
     const double extent = best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius);
     return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent;
   }
-  double reach_along(const PlacedModel& body, const Vec3& direction, const Vec3& corner) const {
+  double reach_along(const PlacedBody& body, const Vec3& direction, const Vec3& corner) const {
     return dot(direction, (body.moved ? apply(body.pose, corner) : corner) - on_target);
   }
-  double reach_of_box(const PlacedModel& body, const Vec3& direction) const {
+  double reach_of_box(const PlacedBody& body, const Vec3& direction) const {
     const Box& box = body.body->box;
     double most = -std::numeric_limits<double>::infinity();
     for (int n = 0; n < 8; ++n) {
@@ -210,7 +210,7 @@ class DistanceSearch {
     }
     return most;
   }
-  double reach_of_corners(const PlacedModel& body, const Vec3& direction) const {
+  double reach_of_corners(const PlacedBody& body, const Vec3& direction) const {
     double most = -std::numeric_limits<double>::infinity();
     for (const Corners& corners : body.body->corners)
       for (const Vec3& corner : corners) most = std::max(most, reach_along(body, direction, corner));
@@ -230,8 +230,8 @@ class DistanceSearch {
   const KeptByThread<std::vector<NodePair>> queue_;
 };
 
-DistanceResult distance_checked(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                                const Pose& pose_b, const DistanceOptions& options, const Kernels& kernels) {
+DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                const DistanceOptions& options, const Kernels& kernels) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
   DistanceResult result;
   std::uint32_t of_target = 0, of_probe = 0;
@@ -269,7 +269,7 @@ void check(const DistanceOptions& options) {
 }  // namespace
 }  // namespace collision
 
-DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
+DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                         const DistanceOptions& options) try {
   collision::check(options);
   validate(pose_a);
@@ -279,7 +279,7 @@ DistanceResult distance(const CollisionModel& a, const Pose& pose_a, const Colli
   throw_as_error("distance");
 }
 
-std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, const Body& b,
                                          std::span<const Pose> poses_b, const DistanceOptions& options,
                                          const Execution& execution) try {
   collision::check(options);
@@ -287,9 +287,10 @@ std::vector<DistanceResult> distance_all(const CollisionModel& a, const Pose& po
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "distance");
-  return collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
+  auto results = collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
     return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels);
   });
+  return {std::move(results), {.backend = "cpu"}};
 } catch (...) {
   throw_as_error("distance");
 }

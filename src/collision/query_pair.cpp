@@ -29,8 +29,7 @@ Pose orthonormal(Pose pose) {
 
 }  // namespace
 
-QueryPair::QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                     const Kernels& with_kernels)
+QueryPair::QueryPair(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, const Kernels& with_kernels)
     : target(data_of(a), pose_a),
       probe(data_of(b), pose_b),
       swapped(probe.body->box.longest_side() > target.body->box.longest_side()),

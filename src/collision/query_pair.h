@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "collision/cpu/kernels.h"
 #include "collision/tolerances.h"
 #include "core/threads.h"
@@ -30,13 +30,13 @@ inline DoubleTransform transform_of(const Pose& pose) {
   return transform;
 }
 
-/// A model with its pose in the world.
-struct PlacedModel {
-  const ModelData* body;
+/// A body with its pose in the world.
+struct PlacedBody {
+  const BodyData* body;
   Pose pose;
   bool moved;  ///< the pose is not the identity
 
-  PlacedModel(const ModelData& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
+  PlacedBody(const BodyData& data, const Pose& at) : body(&data), pose(at), moved(!(at == Pose{})) {}
   /// The corners of a triangle in the world, by its index in the BVH. All exact answers are about these corners.
   Corners world(std::uint32_t index) const {
     const Corners& c = body->corners[index];
@@ -51,9 +51,9 @@ struct TrianglesOfBoth {
 };
 
 /// The target is the larger body. `transform` and `relative` take coordinates of the probe to coordinates of the
-/// target, both relative to the models' middles.
+/// target, both relative to the bodies' middles.
 struct QueryPair {
-  PlacedModel target, probe;
+  PlacedBody target, probe;
   bool swapped;  ///< whether a is the probe
   /// The target's pose with an orthonormal rotation. So errors of the pose's matrix grow with the size of the body, not
   /// with its distance from the other one.
@@ -69,8 +69,7 @@ struct QueryPair {
   double pose_slack;
   const Kernels& kernels;
 
-  QueryPair(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-            const Kernels& with_kernels);
+  QueryPair(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, const Kernels& with_kernels);
 
   /// The triangles of a and b, by their indices in the BVHs of target and probe.
   TrianglesOfBoth triangles_of(std::uint32_t target_index, std::uint32_t probe_index) const {

@@ -64,13 +64,13 @@ Vec3 rotated(Vec3 v, Vec3 axis, double angle_rad) {
 }  // namespace
 
 AxisAngleMotion::AxisAngleMotion(const RigidMotion& m) : poses(m) {
-  if (m.from.rotation == m.to.rotation)
+  if (m.start.rotation == m.end.rotation)
     // Without a rotation all points move on straight lines, and a centre far away would only bring its rounding.
     poses.center = {};
   else
-    rotation = axis_angle_of(times_transposed(m.to.rotation, m.from.rotation));
-  center = apply(m.from, poses.center);
-  velocity = apply(m.to, poses.center) - center;
+    rotation = axis_angle_of(times_transposed(m.end.rotation, m.start.rotation));
+  center = apply(m.start, poses.center);
+  velocity = apply(m.end, poses.center) - center;
 }
 
 Pose AxisAngleMotion::at(double t) const {
@@ -121,15 +121,15 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 namespace {
 
 // How far a point of the body may be at the last pose from where the even rotation ends.
-double jump_at_end(const AxisAngleMotion& path, const ModelData& body) {
+double jump_at_end(const AxisAngleMotion& path, const BodyData& body) {
   const RigidMotion& m = path.poses;
-  if (m.from.rotation == m.to.rotation) return 0;
+  if (m.start.rotation == m.end.rotation) return 0;
   double off_sq = 0;
   for (int column = 0; column < 3; ++column) {
     const auto of = [column](const Pose& pose) {
       return Vec3{pose.rotation[column], pose.rotation[3 + column], pose.rotation[6 + column]};
     };
-    const Vec3 off = of(m.to) - rotated(of(m.from), path.rotation.axis, path.rotation.angle_rad);
+    const Vec3 off = of(m.end) - rotated(of(m.start), path.rotation.axis, path.rotation.angle_rad);
     off_sq += dot(off, off);
   }
   return std::sqrt(off_sq) * (length(body.middle - m.center) + body.radius);
@@ -143,19 +143,19 @@ double tolerance_kept(const QueryPair& pair, const AxisAngleMotion& path, double
 // Whether the last pose must be tested by itself: its matrix may be a rotation only nearly, and lie farther from where
 // the even rotation ends than the distance that was kept. The bodies were half the tolerance apart all the time; a jump
 // shorter than that touches nothing.
-bool last_pose_may_jump(const AxisAngleMotion& path, const CollisionModel& moving, double tolerance) {
+bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double tolerance) {
   return !(jump_at_end(path, data_of(moving)) < tolerance / 4);
 }
 
 // sweep() without its checks, on the CPU. The tolerance is positive.
-SweepResult sweep_exactly(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                          const RigidMotion& motion, double asked, const Kernels& kernels) {
+SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion, double asked,
+                          const Kernels& kernels) {
   const AxisAngleMotion path(motion);
-  const QueryPair pair(a, pose_a, b, motion.from, kernels);
+  const QueryPair pair(a, pose_a, b, motion.start, kernels);
   const double tolerance = tolerance_kept(pair, path, asked);
   const SweepResult swept = first_contact(pair, path, tolerance);
   if (swept.hit || !last_pose_may_jump(path, b, tolerance)) return swept;
-  const QueryPair end(a, pose_a, b, motion.to, kernels);
+  const QueryPair end(a, pose_a, b, motion.end, kernels);
   const auto found = find_intersecting_pair(end, 0);
   if (!found) return swept;
   const Corners of_target = end.target.world(found->of_target), of_probe = end.probe.world(found->of_probe);
@@ -181,9 +181,9 @@ bool decided(const PreparedMotion& motion, const SweepAnswer& answer) {
 
 // Motions go to the device in pieces. What is not certainly free the CPU sweeps from the beginning: begun later its
 // steps would be others, and with them the time of a hit, and whether a pass within the tolerance counts as one.
-std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                         const CollisionModel& b, std::span<const RigidMotion> motions,
-                                         double tolerance, const Execution& execution, BatchReport& report, int stack) {
+std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
+                                         std::span<const RigidMotion> motions, double tolerance,
+                                         const Execution& execution, BatchReport& report, int stack) {
   std::vector<SweepResult> results;
   results.reserve(motions.size());
   const Kernels& kernels = kernels_for(execution.simd, "sweep");
@@ -192,7 +192,7 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionMo
     const auto piece = motions.subspan(first, std::min(kMotionsAtOnce, motions.size() - first));
     const auto prepared = for_each<PreparedMotion>(piece.size(), execution.threads, [&](std::size_t n) {
       const AxisAngleMotion path(piece[n]);
-      const QueryPair pair(a, pose_a, b, piece[n].from, kernels);
+      const QueryPair pair(a, pose_a, b, piece[n].start, kernels);
       const double kept = tolerance_kept(pair, path, tolerance);
       return PreparedMotion{{relative_motion(pair, path), distance_kept(pair, path, kept)},
                             last_pose_may_jump(path, b, kept)};
@@ -231,8 +231,8 @@ void check(const SweepOptions& options) {
 }
 
 void check(const RigidMotion& motion) {
-  validate(motion.from);
-  validate(motion.to);
+  validate(motion.start);
+  validate(motion.end);
   const Vec3 c = motion.center;
   if (!is_finite(c) || max_norm(c) > kMaxPosition)
     throw Error(ErrorCode::usage, "sweep: the motion's center is not finite or past " + number_text(kMaxPosition) +
@@ -240,8 +240,8 @@ void check(const RigidMotion& motion) {
 }
 
 // Times are rounded. Where that alone moves a body by a good part of its size, no path is left to follow.
-void check_length(const CollisionModel& a, const CollisionModel& b, const RigidMotion& motion, double tolerance) {
-  const double distance = length(apply(motion.to, motion.center) - apply(motion.from, motion.center));
+void check_length(const Body& a, const Body& b, const RigidMotion& motion, double tolerance) {
+  const double distance = length(apply(motion.end, motion.center) - apply(motion.start, motion.center));
   if (kTimeRounding * distance <= std::max(tolerance, (data_of(a).radius + data_of(b).radius) / 8)) return;
   throw Error(ErrorCode::usage,
               "sweep: the motion is so long that rounding alone moves bodies of this size by a good part of it; "
@@ -249,7 +249,7 @@ void check_length(const CollisionModel& a, const CollisionModel& b, const RigidM
 }
 
 // Checks what was asked; returns the tolerance.
-double checked_tolerance(const CollisionModel& a, const CollisionModel& b, std::span<const RigidMotion> motions,
+double checked_tolerance(const Body& a, const Body& b, std::span<const RigidMotion> motions,
                          const SweepOptions& options) {
   check(options);
   const double tolerance = options.tolerance > 0 ? options.tolerance : automatic_tolerance(a, b);
@@ -265,8 +265,8 @@ double checked_tolerance(const CollisionModel& a, const CollisionModel& b, std::
 }  // namespace collision
 
 Pose pose_at(const RigidMotion& motion, double t) try {
-  validate(motion.from);
-  validate(motion.to);
+  validate(motion.start);
+  validate(motion.end);
   if (!(t >= 0 && t <= 1))
     throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1; 0 is the start, 1 the end");
   return collision::AxisAngleMotion(motion).at(t);
@@ -274,13 +274,13 @@ Pose pose_at(const RigidMotion& motion, double t) try {
   throw_as_error("motion");
 }
 
-double automatic_tolerance(const CollisionModel& a, const CollisionModel& b) {
+double automatic_tolerance(const Body& a, const Body& b) {
   const auto [smaller, larger] = std::minmax({a.bounds().longest_side(), b.bounds().longest_side()});
   // Two points have no size: take the least tolerance that rounding allows.
   return std::max({collision::kSweepTolerance * smaller, collision::kLeastSweepTolerance * larger, 1e-100});
 }
 
-SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const RigidMotion& motion,
+SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                   const SweepOptions& options) try {
   const double tolerance = collision::checked_tolerance(a, b, {&motion, 1}, options);
   validate(pose_a);
@@ -289,21 +289,20 @@ SweepResult sweep(const CollisionModel& a, const Pose& pose_a, const CollisionMo
   throw_as_error("sweep");
 }
 
-std::vector<SweepResult> sweep_all(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
+BatchResult<SweepResult> sweep_all(const Body& a, const Pose& pose_a, const Body& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options,
-                                   const Execution& execution, BatchReport* report) try {
+                                   const Execution& execution) try {
   const double tolerance = collision::checked_tolerance(a, b, motions, options);
   validate("sweep", execution, Runs::everywhere);
   validate(pose_a);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "sweep");
   const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
-  BatchReport done{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
-  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, done)
+  BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
+  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, report)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
                          return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance, kernels);
                        });
-  if (report) *report = done;
-  return results;
+  return {std::move(results), std::move(report)};
 } catch (...) {
   throw_as_error("sweep");
 }

@@ -44,9 +44,8 @@ SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, do
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
 /// `report` counts them. Requires motions and a tolerance that sweep_all() has checked.
-std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const CollisionModel& a, const Pose& pose_a,
-                                         const CollisionModel& b, std::span<const RigidMotion> motions,
-                                         double tolerance, const Execution& execution, BatchReport& report,
-                                         int stack = kDeviceStack);
+std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
+                                         std::span<const RigidMotion> motions, double tolerance,
+                                         const Execution& execution, BatchReport& report, int stack = kDeviceStack);
 
 }  // namespace standoff::collision

@@ -54,7 +54,7 @@ std::optional<SweepResult> TriangleSweep::first_contact(std::uint32_t target_ind
   double radius = 0;  // the largest distance of a corner from the axis
   if (rate != 0)
     for (const Vec3& corner : moving)
-      radius = std::max(radius, length(cross(rotation.axis, rotate(poses.from, corner - poses.center))));
+      radius = std::max(radius, length(cross(rotation.axis, rotate(poses.start, corner - poses.center))));
   const double fastest = length(path_.velocity) + rate * radius;
   for (double t = from; t < until;) {
     const Pose pose = path_.at(t);

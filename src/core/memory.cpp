@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/memory.h"
 
+#include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -14,8 +17,43 @@
 
 #include "standoff/error.h"
 #include "standoff/field.h"
+#include "standoff/memory.h"
 
 namespace standoff {
+namespace {
+
+// What a file of the system says, a number of bytes at its beginning; 0 where it says none. Takes no memory.
+double number_in(const char* path) {
+  const int file = ::open(path, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return 0;
+  char text[64];
+  const ssize_t length = ::read(file, text, sizeof text);
+  ::close(file);
+  double number = 0;
+  if (length > 0) std::from_chars(text, text + length, number);
+  return number;
+}
+
+std::int64_t share_of_machine() {
+  constexpr double kShare = 0.8;
+  double bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  // A container's limit, for control groups of version 2 and 1. No limit reads as "max" or as a huge number.
+  for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
+    if (const double limit = number_in(file); limit > 0) bytes = std::min(bytes, limit);
+  return bytes > 0 ? static_cast<std::int64_t>(bytes * kShare) : kNoMemoryLimit;
+}
+
+}  // namespace
+
+std::int64_t default_memory_limit() {
+  static const std::int64_t limit = share_of_machine();
+  return limit;
+}
+
+std::int64_t memory_limit_of(std::int64_t option) {
+  return std::max<std::int64_t>(option == 0 ? default_memory_limit() : option, 0);
+}
+
 namespace {
 
 // Reserves addresses: they cost no memory, and do not count against the system's limit of committed memory.

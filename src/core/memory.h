@@ -103,7 +103,14 @@ class TilePool {
   std::mutex growing_;
 };
 
-/// Bytes of a DistanceField that stores `stored_tiles` of the `all_tiles` of its grid.
+// The limits that callers set: an option of 0 stands for a share of the machine's memory.
+
+/// The limit in bytes that an option of this value sets; 0 where it is none.
+std::int64_t memory_limit_of(std::int64_t option);
+
+// How much memory a field takes, and the error of a limit that is too small.
+
+/// Bytes that a DistanceField takes with so many tiles stored, of so many in its grid.
 double field_bytes(double stored_tiles, double all_tiles, bool with_nearest);
 
 /// "161 MiB, more than the limit of 160 MiB". Requires needed > limit; the text shows the difference.

@@ -108,15 +108,24 @@ void validate(const Grid& grid) try {
 
 Padding padding_for(double thickness) try {
   if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
-  return {.length = std::isinf(thickness) ? 0 : thickness};
+  if (std::isinf(thickness)) return {};
+  return {.length = thickness, .most_share = kMostPadding};
 } catch (...) {
   throw_as_error("grid");
 }
 
-Grid fit_samples(const Box& box, std::int64_t samples, const Padding& padding) try {
-  if (samples < 2) fail("at least 2 samples are needed on the longest side; give 2 or more");
+Padding padding_for_samples(double samples) try {
+  if (!(samples > 0)) fail("the band must be positive; infinity gives a full field");
+  if (std::isinf(samples)) return {};
+  return {.samples = samples, .most_share = kMostPadding};
+} catch (...) {
+  throw_as_error("grid");
+}
+
+Grid fit_resolution(const Box& box, std::int64_t resolution, const Padding& padding) try {
+  if (resolution < 2) fail("at least 2 samples are needed on the longest side; give 2 or more");
   const Reach reach(box, padding);
-  const double extent = box.longest_side(), cells = static_cast<double>(samples - 1);
+  const double extent = box.longest_side(), cells = static_cast<double>(resolution - 1);
   const bool no_scale = extent == 0 && padding.length == 0 && (padding.samples > 0 || padding.least_samples > 0);
   const double by = no_scale ? cells / 2 : reach.by_cells(extent, cells);
   const Box grown = grown_by(box, {by, by, by});

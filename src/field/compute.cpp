@@ -147,11 +147,11 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
 }  // namespace
 
 ComputeReport fill_field(Computation& computation, DistanceField& field, const ComputeOptions& options) try {
-  if (options.memory_limit != 0) field = {};
+  if (options.memory_limit > 0) field = {};
   const Plan& plan = computation.plan();
   field.reset(plan.grid, plan.field_thickness, plan.with_nearest);
   ComputeReport report = run(computation, options, options.hash_mesh, FieldOutput(field));
-  if (!options.nearest_triangle) field.erase_nearest();
+  if (!options.nearest) field.erase_nearest();
   report.tiles_stored = field.stored_tiles();
   field.set_provenance(report.provenance);
   return report;
@@ -184,7 +184,7 @@ ComputeReport compute_into(MeshView mesh, const Grid& grid, double thickness, st
   validate(grid);
   const auto samples = static_cast<std::size_t>(grid.sample_count());
   if (values.size() != samples || (!nearest.empty() && nearest.size() != samples) ||
-      (options.nearest_triangle && nearest.empty()))
+      (options.nearest && nearest.empty()))
     throw Error(ErrorCode::usage,
                 "compute: the memory given does not hold " + std::to_string(samples) +
                     " values (and as many nearest triangles where they are asked for); give one for each sample");

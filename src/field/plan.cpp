@@ -27,9 +27,6 @@ void validate(double thickness, const ComputeOptions& options) {
   const auto fail = [](const char* what) { throw Error(ErrorCode::usage, std::string("compute: ") + what); };
   if (!(thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
   validate("compute", options.execution, Runs::everywhere);
-  if (options.memory_limit < 0) fail("the memory limit is negative; give bytes, or zero for none");
-  if (options.bytes_beside < 0 || options.bytes_beside > (1 << 20))
-    fail("the bytes beside each sample must be 0 to 2^20; give the sum of bytes_per_sample()");
   if (options.skip.kind == SkipRule::Kind::neighbour && !(options.skip.fraction > 0 && options.skip.fraction <= 1))
     fail("the neighbour rule's fraction must be above 0 and at most 1; 1 is the thesis's");
   // A caller may have cast any number to an enumeration.
@@ -37,6 +34,12 @@ void validate(double thickness, const ComputeOptions& options) {
   if (!find_info(options.method) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
   validate(options.sign);
+}
+
+void check_slab_samples(std::int64_t samples) {
+  if (samples < 1)
+    throw Error(ErrorCode::usage,
+                "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
 }
 
 SkipRule effective_rule(const ComputeOptions& options) {
@@ -79,10 +82,9 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           reach(grid, thickness, options.sign),
           thickness,
           thread_count(options.execution.threads),
-          options.nearest_triangle || steps_of(options.sign.method).needs_nearest,
+          options.nearest || steps_of(options.sign.method).needs_nearest,
           options.sign.method != SignMethod::none,
           is_dense,
-          options.bytes_beside,
           slab_samples,
           in_slabs ? layers_of_slab(grid, slab_samples) : 0};
 }
@@ -132,7 +134,7 @@ class Advice {
  private:
   bool fits(const Grid& grid, double thickness) const {
     const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.slab_samples);
-    return bytes_needed(plan, scan_mesh(mesh_, plan, true).tiles, diagnosed_) <= options_.memory_limit;
+    return bytes_needed(plan, scan_mesh(mesh_, plan, true).tiles, diagnosed_) <= memory_limit_of(options_);
   }
 
   // Tries a band one sample wide.
@@ -174,8 +176,6 @@ class Advice {
 std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double samples = static_cast<double>(plan.grid.sample_count());
   tiles = std::min(tiles, tiles_at_once(plan));
-  const double stored = plan.is_dense ? samples : DistanceField::kTileSamples * tiles;
-  const double beside = stored * static_cast<double>(plan.bytes_beside);
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
   // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
@@ -190,8 +190,7 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
                             : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  // The caller's data beside the output is made after the scratch memory has been freed.
-  const double total = std::max({before, output + scratch + kept, output + beside});
+  const double total = std::max(before, output + scratch + kept);
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
@@ -209,7 +208,7 @@ std::int64_t crossing_bytes(const Plan& plan) {
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
   const bool diagnosed = needs_diagnosis(mesh, options.sign);
-  const std::int64_t limit = options.memory_limit, needed = bytes_needed(plan, tiles, diagnosed);
+  const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, tiles, diagnosed);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
               "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
@@ -217,26 +216,69 @@ void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOp
               {.bytes_needed = needed, .bytes_limit = limit});
 }
 
-std::int64_t memory_needed(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
-                           bool dense) try {
+std::int64_t memory_limit_of(const ComputeOptions& options) { return memory_limit_of(options.memory_limit); }
+
+ComputeOptions with_slabs(std::int64_t triangles, const MeshView* mesh, const Grid& grid, double thickness,
+                          const ComputeOptions& options, std::int64_t slab_samples) {
+  if (options.execution.backend != Backend::automatic) return options;
+  ComputeOptions on_cpu = options;
+  on_cpu.execution.backend = Backend::cpu;
+  const auto plan_of = [&](const ComputeOptions& taken) {
+    return make_plan(triangles, grid, thickness, taken, false, slab_samples);
+  };
+  const std::int64_t limit = memory_limit_of(options);
+  const auto is_too_large = [&](const Plan& plan) {
+    if (bytes_needed(plan) <= limit) return false;
+    return !mesh || Threads(options.execution.threads).run([&] { return bytes_needed(*mesh, plan, options) > limit; });
+  };
+  if (limit == 0) return plan_of(on_cpu).slab_layers != 0 ? on_cpu : options;
+  const Plan plan = plan_of(options);
+  return plan.slab_layers == 0 && is_too_large(plan) ? on_cpu : options;
+}
+
+namespace {
+
+// Of any mesh of so many triangles, or, if there is one, of this mesh.
+MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const Grid& grid, double thickness,
+                           const ComputeOptions& options, std::int64_t slab_samples) {
+  const auto plan_of = [&](const ComputeOptions& taken, bool dense, std::int64_t slabs) {
+    return make_plan(triangles, grid, thickness, taken, dense, slabs);
+  };
+  const Plan whole = plan_of(options, false, 0);
+  const double tiles =
+      mesh ? std::min(scan_mesh(*mesh, whole, true).tiles, tiles_at_once(whole)) : tiles_at_once(whole);
+  const bool diagnosed = mesh ? needs_diagnosis(*mesh, options.sign) : whole.with_sign;
+  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, tiles, diagnosed); };
+  const ComputeOptions in_slabs = with_slabs(triangles, mesh, grid, thickness, options, slab_samples);
+  return {.whole = bytes(whole),
+          .dense = bytes(plan_of(options, true, 0)),
+          .slabs = bytes(plan_of(in_slabs, false, slab_samples)),
+          .stored_samples = static_cast<std::int64_t>(std::min(DistanceField::kTileSamples * tiles, 0x1p62))};
+}
+
+}  // namespace
+
+MemoryEstimate estimate(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options,
+                        std::int64_t slab_samples) try {
   validate(grid);
   validate(thickness, options);
+  check_slab_samples(slab_samples);
   if (triangles < 1 || static_cast<std::uint64_t>(triangles) > kMaxTriangles)
     throw Error(triangles < 1 ? ErrorCode::usage : ErrorCode::limit,
                 "compute: no mesh has " + std::to_string(triangles) + " triangles; ask for 1 to " +
                     std::to_string(kMaxTriangles));
-  return bytes_needed(make_plan(triangles, grid, thickness, options, dense));
+  return estimate_of(nullptr, triangles, grid, thickness, options, slab_samples);
 } catch (...) {
   throw_as_error("compute");
 }
 
-std::int64_t memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                           bool dense) try {
+MemoryEstimate estimate(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
+                        std::int64_t slab_samples) try {
   validate(grid);
   validate(thickness, options);
+  check_slab_samples(slab_samples);
   return Threads(options.execution.threads).run([&] {
-    return bytes_needed(
-        mesh, make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, dense), options);
+    return estimate_of(&mesh, static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, slab_samples);
   });
 } catch (...) {
   throw_as_error("compute");

@@ -9,7 +9,9 @@ namespace standoff {
 
 /// Throws Error{usage} for an invalid thickness or invalid options.
 void validate(double thickness, const ComputeOptions& options);
-/// The skip rule: the one that is named, or the default of the method; never automatic.
+/// Throws Error{usage} for slabs of less than a sample.
+void check_slab_samples(std::int64_t samples);
+/// The skip rule of the method where none is named; never automatic.
 SkipRule effective_rule(const ComputeOptions& options);
 
 struct Plan {
@@ -23,9 +25,8 @@ struct Plan {
   int threads;
   bool with_nearest;  ///< the caller or the sign needs nearest triangles
   bool with_sign;
-  bool is_dense;              ///< the output is the caller's memory, not tiles
-  std::int64_t bytes_beside;  ///< bytes per stored sample that the caller holds
-  std::int64_t slab_samples;  ///< the slab size asked for; 0: no slabs
+  bool is_dense;              ///< into the caller's memory, not into tiles
+  std::int64_t slab_samples;  ///< asked for; 0: no slabs
   std::int64_t slab_layers;   ///< layers of bricks of a slab; 0: the whole grid at once
 };
 
@@ -46,12 +47,20 @@ std::int64_t bytes_needed(const Plan& plan);
 /// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
-/// Bytes that crossings may take while the sign is decided. For a whole grid it is the backend's scratch memory, which
-/// is free by then, if that is enough.
+/// How a computation in slabs of so many samples runs. On a GPU there are no slabs: if the caller does not mind, the
+/// CPU makes some where the whole field would be beyond the memory limit, or there is none.
+/// `mesh`: null where any mesh of so many triangles is meant.
+ComputeOptions with_slabs(std::int64_t triangles, const MeshView* mesh, const Grid& grid, double thickness,
+                          const ComputeOptions& options, std::int64_t slab_samples);
+
+/// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough.
 std::int64_t crossing_bytes(const Plan& plan);
 
-/// Throws Error{limit} if the computation may need more than options.memory_limit; the message says what would fit.
-/// `tiles`: how many the mesh's triangles reach (prepare.h). Requires a valid mesh.
+/// The limit that the options set, bytes; 0 where there is none.
+std::int64_t memory_limit_of(const ComputeOptions& options);
+
+/// Throws Error{limit} where the computation may need more than the options' limit, with what would fit. `tiles`: those
+/// that the mesh's triangles reach (prepare.h). Requires a valid mesh.
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options);
 
 }  // namespace standoff

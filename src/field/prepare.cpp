@@ -140,8 +140,9 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
 }
 
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  // Most fields fit for any triangles, and need no count of tiles.
-  const bool may_be_over = options.memory_limit != 0 && bytes_needed(plan) > options.memory_limit;
+  // Most fields fit whatever their triangles are.
+  const std::int64_t limit = memory_limit_of(options);
+  const bool may_be_over = limit != 0 && bytes_needed(plan) > limit;
   const MeshScan scan = scan_mesh(mesh, plan, may_be_over && !plan.is_dense);
   if (may_be_over) check_memory(mesh, plan, scan.tiles, options);
   if (!scan.is_near) check_domain(mesh, plan.grid);

@@ -60,8 +60,8 @@ struct MeshScan {
 /// of validate(mesh).
 MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles);
 
-/// Throws the errors of validate(mesh), check_memory() and check_domain(mesh, grid). Reads the mesh once. Uses the
-/// caller's arena.
+/// Throws as validate(mesh) does; Error{limit} where the computation may need more than the options' limit, with what
+/// would fit, and as check_domain(mesh, grid) does. Looks at the mesh once. Uses the caller's arena.
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 
 /// The triangles of `among` that the plan's skip rule keeps, ascending; empty if it keeps the whole mesh. An empty

@@ -17,38 +17,13 @@ namespace {
 
 constexpr std::int64_t kTileLayers = kBrickSide / kTileSide;  // layers of tiles per layer of bricks
 
-void check_slab_samples(std::int64_t samples) {
-  if (samples < 1)
-    throw Error(ErrorCode::usage,
-                "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
-}
-
-// A GPU computes no slabs. Backend::automatic takes the CPU for slabs if the whole field would exceed the memory limit,
-// or if there is no limit.
-ComputeOptions with_slabs(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                          std::int64_t slab_samples) {
-  if (options.execution.backend != Backend::automatic) return options;
-  ComputeOptions on_cpu = options;
-  on_cpu.execution.backend = Backend::cpu;
-  const auto plan_of = [&](const ComputeOptions& taken) {
-    return make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, taken, false, slab_samples);
-  };
-  const auto is_too_large = [&](const Plan& plan) {
-    return bytes_needed(plan) > options.memory_limit && Threads(options.execution.threads).run([&] {
-      return bytes_needed(mesh, plan, options) > options.memory_limit;
-    });
-  };
-  if (options.memory_limit == 0) return plan_of(on_cpu).slab_layers != 0 ? on_cpu : options;
-  const Plan plan = plan_of(options);
-  return plan.slab_layers == 0 && is_too_large(plan) ? on_cpu : options;
-}
-
 }  // namespace
 
 class SlabComputation::Work {
  public:
   Work(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, std::int64_t slab_samples)
-      : options_(with_slabs(mesh, grid, thickness, options, slab_samples)),
+      : options_(with_slabs(static_cast<std::int64_t>(mesh.triangles.size()), &mesh, grid, thickness, options,
+                            slab_samples)),
         computation_(mesh, grid, thickness, options_, false, slab_samples) {
     computation_.check();
     if (plan().slab_layers == 0)
@@ -59,7 +34,7 @@ class SlabComputation::Work {
 
   const Plan& plan() const { return computation_.plan(); }
   const ComputeReport& report() const { return report_; }
-  bool has_nearest() const { return options_.nearest_triangle; }
+  bool has_nearest() const { return options_.nearest; }
 
   const DistanceField* next() {
     if (failed_) throw Error(ErrorCode::usage, "compute: after an error there are no more slabs; begin again");
@@ -155,21 +130,6 @@ const ComputeReport& SlabComputation::report() const { return work_->report(); }
 
 const DistanceField* SlabComputation::next() try { return work_->next(); } catch (...) {
   throw_as_error("compute", kWithLessMemory);
-}
-
-std::int64_t slab_memory_needed(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                                std::int64_t slab_samples) try {
-  validate(grid);
-  validate(thickness, options);
-  check_slab_samples(slab_samples);
-  const ComputeOptions taken = with_slabs(mesh, grid, thickness, options, slab_samples);
-  return Threads(taken.execution.threads).run([&] {
-    return bytes_needed(
-        mesh, make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, taken, false, slab_samples),
-        taken);
-  });
-} catch (...) {
-  throw_as_error("compute");
 }
 
 }  // namespace standoff

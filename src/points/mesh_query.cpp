@@ -97,9 +97,10 @@ void decide(const MeshQuery::Data& data, const cpu::PointKernels& kernels, const
 // Calls answer(decided, first) for some points at a time, from many threads: decided.order[n] + first is the index of a
 // point in `points`.
 template <class Answer>
-void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const Execution& execution,
-                const ProgressCallback& callback, const Answer& answer) {
-  ProgressMeter progress(callback);
+void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const PointOptions& options,
+                const Answer& answer) {
+  const Execution& execution = options.execution;
+  ProgressMeter progress(options.progress);
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
   const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
   const TriangleIndex& index = data.near();
@@ -161,7 +162,7 @@ void find_closest(const TriangleIndex& index, const cpu::PointKernels& kernels, 
       at.point = Vec3{eight.point[0][n], eight.point[1][n], eight.point[2][n]} * (1 / scale[n]) + one.at;
       at.triangle = one.triangle;
       at.feature = static_cast<Feature>(static_cast<int>(eight.feature[n]));
-      at.weights = {eight.weights[0][n], eight.weights[1][n], eight.weights[2][n]};
+      at.barycentric = {eight.weights[0][n], eight.weights[1][n], eight.weights[2][n]};
     }
   }
 }
@@ -218,39 +219,38 @@ std::int64_t MeshQuery::memory_bytes() const {
          (data.signs ? data.signs->memory_bytes() : 0);
 }
 
-void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
-                          const ProgressCallback& progress) const try {
-  validate("points", execution, Runs::everywhere);
+void MeshQuery::distances(std::span<const Vec3> points, std::span<double> out, const PointOptions& options) const try {
+  validate("points", options.execution, Runs::everywhere);
   check(points, out.size());
-  answer_all(*data_, points, execution, progress, [&](const Decided& decided, std::size_t first) {
+  answer_all(*data_, points, options, [&](const Decided& decided, std::size_t first) {
     for (std::size_t n = 0; n < decided.order.size(); ++n) out[first + decided.order[n]] = decided.distance[n];
   });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }
 
-void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const Execution& execution,
-                        const ProgressCallback& progress) const try {
-  validate("points", execution, Runs::everywhere);
+void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> out, const PointOptions& options) const
+    try {
+  validate("points", options.execution, Runs::everywhere);
   check(points, out.size());
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
-  answer_all(*data_, points, execution, progress, [&](const Decided& decided, std::size_t first) {
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(options.execution.simd);
+  answer_all(*data_, points, options, [&](const Decided& decided, std::size_t first) {
     find_closest(data_->near(), kernels, decided, out.subspan(first));
   });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }
 
-void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> out, const Execution& execution,
-                                const ProgressCallback& callback) const try {
-  validate("points", execution, Runs::on_the_cpu);
+void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> out, const PointOptions& options) const
+    try {
+  validate("points", options.execution, Runs::on_the_cpu);
   check(points, out.size());
   if (data_->plan.report.method != SignMethod::winding)
     throw Error(ErrorCode::usage,
                 "points: winding numbers are known to queries whose sign method is winding; choose it");
-  ProgressMeter progress(callback);
+  ProgressMeter progress(options.progress);
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
+  const cpu::PointKernels& kernels = cpu::point_kernels_for(options.execution.simd);
   const auto answer = [&](std::size_t n) {
     WorkCheck check(progress, kLooks);
     out[n] = data_->signs->winding_number(points[n], kernels, check);
@@ -260,7 +260,7 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
     for (std::size_t n = 0; n < points.size(); ++n) answer(n);
     return;
   }
-  Threads(execution.threads).run([&] { tbb::parallel_for(std::size_t{0}, points.size(), answer); });
+  Threads(options.execution.threads).run([&] { tbb::parallel_for(std::size_t{0}, points.size(), answer); });
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");
 }
@@ -294,9 +294,9 @@ Vec3 MeshQuery::gradient(Vec3 point, const ClosestPoint& at) const try {
   throw_as_error("points");
 }
 
-std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points, const Execution& execution) try {
+std::vector<ClosestPoint> closest_points(MeshView mesh, std::span<const Vec3> points, const PointOptions& options) try {
   std::vector<ClosestPoint> found(points.size());
-  MeshQuery(mesh, {.execution = execution}).closest(points, found, execution);
+  MeshQuery(mesh, {.sign = {SignMethod::none}, .execution = options.execution}).closest(points, found, options);
   return found;
 } catch (...) {
   throw_as_error("points", "ask about fewer points at once, or provide more memory");

@@ -127,14 +127,14 @@ MeshQuery read_query_file(const FileView& file, ArrayChecksum checksum) {
   return QueryAccess::query(std::move(data));
 }
 
-MeshQuery read_query(const std::filesystem::path& path) try {
+MeshQuery MeshQuery::load(const std::filesystem::path& path) try {
   return read_query_file(FileView(path), ArrayChecksum::checked);
 } catch (...) {
   throw_as_error("points");
 }
 
-void write_query(const std::filesystem::path& path, const MeshQuery& query, Existing existing) try {
-  const MeshQuery::Data& data = QueryAccess::data(query);
+void MeshQuery::save(const std::filesystem::path& path, Existing existing) const try {
+  const Data& data = *data_;
   const SignReport& report = data.plan.report;
   const std::string why = report.why.substr(0, kLongestWhy);
   QueryHeader header{};

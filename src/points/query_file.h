@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Queries in files, for read_query(), and for the fuzzer: its bytes never match the checksum, so it ignores that.
+// Queries in files, for MeshQuery::load(), and for the fuzzer: its bytes never match the checksum, so it ignores that.
 #pragma once
 
 #include "files/array_file.h"

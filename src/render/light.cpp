@@ -83,7 +83,7 @@ Occlusion::Occlusion(std::span<const DrawnPart> parts) {
   Box box;
   for (const Triangle& t : triangles)
     for (const std::uint32_t v : t) box.include({all[v].x, all[v].y, all[v].z});
-  const Grid grid = fit_samples(box, kSamples, Padding{});
+  const Grid grid = fit_resolution(box, kSamples, Padding{});
   lattice_ = {{static_cast<float>(grid.origin.x), static_cast<float>(grid.origin.y), static_cast<float>(grid.origin.z)},
               static_cast<float>(grid.max_spacing()),
               {static_cast<std::size_t>(grid.size.x), static_cast<std::size_t>(grid.size.y),
@@ -91,6 +91,8 @@ Occlusion::Occlusion(std::span<const DrawnPart> parts) {
   thickness_ = kReach * lattice_.spacing;
   distances_.resize(lattice_.samples());
   ComputeOptions options;
+  options.sign = {SignMethod::none};
+  options.memory_limit = kNoMemoryLimit;  // the picture's has been asked
   options.hash_mesh = false;
   options.execution.backend = Backend::cpu;
   compute_into({{&all[0].x, all.size()}, triangles}, grid, thickness_, distances_, options);
@@ -98,7 +100,7 @@ Occlusion::Occlusion(std::span<const DrawnPart> parts) {
 
 std::int64_t Occlusion::bytes(std::int64_t triangles, std::int64_t vertices) {
   const Grid most{{kSamples, kSamples, kSamples}, {}, {1, 1, 1}};
-  return memory_needed(std::max(triangles, std::int64_t{1}), most, kReach, {}, true) +
+  return estimate(std::max(triangles, std::int64_t{1}), most, kReach, {.sign = {SignMethod::none}}).dense +
          static_cast<std::int64_t>(sizeof(float)) * most.sample_count() +
          static_cast<std::int64_t>(sizeof(Triangle)) * triangles + static_cast<std::int64_t>(sizeof(Float3)) * vertices;
 }

@@ -153,7 +153,8 @@ Stage::Stage(const Drawing& drawing, const Drawing& whole, const PictureOptions&
 
   // The unit sphere about fills the shorter side.
   const float pixel = pixel_ = 2.0F / static_cast<float>(std::min(options.width, options.height));
-  MemoryBudget budget("picture", options.memory_limit, "draw fewer pixels or layers, or without shadows or edges");
+  MemoryBudget budget("picture", memory_limit_of(options.memory_limit),
+                      "draw fewer pixels or layers, or without shadows or edges");
   budget.take(bytes_of_parts(drawing, *space_, pixel) + sizeof(Color) * pixels());
   if (options.shadows) budget.take(bytes_of_shadows(drawing));
   const std::vector<HalfSpace> kept = kept_by(drawing, *space_, Camera(options));

@@ -250,9 +250,10 @@ std::int64_t bytes_per_sample(SidecarKind kind) try {
 }
 
 void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds,
-                   std::vector<Sidecar>& into, const Execution& execution, const ProgressCallback& progress) try {
+                   std::vector<Sidecar>& into, const SidecarOptions& options) try {
+  const Execution& execution = options.execution;
   check(field, kinds, execution);
-  ProgressMeter meter(progress);
+  ProgressMeter meter(options.progress);
   Threads(execution.threads).run([&] {
     validate(mesh);
     make_room(kinds, kTileSamples * static_cast<std::size_t>(field.stored_tiles()), into);
@@ -265,9 +266,9 @@ void sidecars_into(MeshView mesh, const DistanceField& field, std::span<const Si
 }
 
 std::vector<Sidecar> sidecars(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds,
-                              const Execution& execution, const ProgressCallback& progress) {
+                              const SidecarOptions& options) {
   std::vector<Sidecar> made;
-  sidecars_into(mesh, field, kinds, made, execution, progress);
+  sidecars_into(mesh, field, kinds, made, options);
   return made;
 }
 

@@ -65,16 +65,15 @@ ConfidenceCounts sum_over(const Size3& size, const Add& add) {
 
 }  // namespace
 
-std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOptions& sign, const Execution& execution,
-                                   const ProgressCallback& progress) try {
-  validate("confidence", execution, Runs::on_the_cpu);
+std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const ConfidenceOptions& options) try {
+  validate("confidence", options.execution, Runs::on_the_cpu);
   validate(grid);
-  const SignOptions by_winding{.method = SignMethod::winding, .as_oriented = sign.as_oriented};
+  const SignOptions by_winding{.method = SignMethod::winding, .as_oriented = options.sign.as_oriented};
   validate(by_winding);
   validate(mesh);
-  ProgressMeter meter(progress);
+  ProgressMeter meter(options.progress);
   std::vector<float> margins(static_cast<std::size_t>(grid.sample_count()), 0.5f);
-  Threads(execution.threads).run([&] {
+  Threads(options.execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
     const SignPlan plan = plan_sign(mesh, by_winding, meter);
     if (plan.boundary.edges.empty()) return;
@@ -96,17 +95,17 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const SignOp
 }
 
 SignConfidence sign_confidence(MeshView mesh, const DistanceField& field, const std::vector<float>& margins,
-                               const Execution& execution, const ProgressCallback& progress) try {
-  validate("confidence", execution, Runs::on_the_cpu);
+                               const ConfidenceOptions& options) try {
+  validate("confidence", options.execution, Runs::on_the_cpu);
   validate(mesh);
   const Grid grid = field.grid();
   if (static_cast<std::int64_t>(margins.size()) != grid.sample_count())
     throw Error(ErrorCode::usage, "confidence: there must be a margin for each of the field's " +
                                       std::to_string(grid.sample_count()) +
                                       " samples; take winding_margins() of its grid");
-  ProgressMeter meter(progress);
+  ProgressMeter meter(options.progress);
   ConfidenceCounts counts;
-  Threads(execution.threads).run([&] {
+  Threads(options.execution.threads).run([&] {
     meter.stage("confidence", 1, 0, 1);
     // Lines along x, y and z, each as rows along x of a mesh with rotated axes.
     const Mesh as_it_is = copy_of(mesh), along_y = rotated(as_it_is), along_z = rotated(along_y);

@@ -19,8 +19,8 @@
 #include "sign/oriented_mesh.h"
 #include "sign/outer/outer.h"
 #include "sign/plan.h"
+#include "standoff/crossings.h"
 #include "standoff/error.h"
-#include "standoff/hermite.h"
 
 namespace standoff {
 namespace {
@@ -31,8 +31,6 @@ constexpr double kMostExact = 1e100;
 void check(const EdgeCrossingOptions& options) {
   validate("crossings", options.execution, Runs::on_the_cpu);
   validate(options.sign);
-  if (options.memory_limit < 0)
-    throw Error(ErrorCode::usage, "crossings: a memory limit must not be negative; 0 is none");
   if (options.sign.method == SignMethod::shell)
     throw Error(ErrorCode::usage,
                 "crossings: the surface of a shell is not the mesh, so its crossings are none of the mesh's; take "
@@ -154,7 +152,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     const std::vector<std::int8_t> use = use_of(plan, mesh.triangles.size());
     const Scan scan({mesh, use}, grid, options.sign.invert);
 
-    MemoryBudget budget("crossings", options.memory_limit, "take fewer samples, or allow more memory");
+    MemoryBudget budget("crossings", memory_limit_of(options.memory_limit), "take fewer samples, or allow more memory");
     PerThread<FoundCrossings> found([&] { return FoundCrossings(budget, progress); });
     progress.stage("crossings", static_cast<std::int64_t>(mesh.triangles.size()), 0.1, 0.8);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), kGrain), [&](const auto& range) {

@@ -24,9 +24,9 @@ std::int64_t Occupancy::count() const {
                          [](std::int64_t sum, std::uint8_t byte) { return sum + std::popcount(byte); });
 }
 
-Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, const Execution& execution,
-                    const ProgressCallback& progress) try {
-  validate("occupancy", execution, Runs::on_the_cpu);
+Occupancy occupancy(MeshView mesh, const Grid& grid, const OccupancyOptions& options) try {
+  const SignOptions& sign = options.sign;
+  validate("occupancy", options.execution, Runs::on_the_cpu);
   validate(grid);
   validate(sign);
   if (!find_info(sign.method)->at_samples)
@@ -35,8 +35,8 @@ Occupancy occupancy(MeshView mesh, const Grid& grid, const SignOptions& sign, co
                 "compute a field");
   validate(mesh);
   Occupancy found{grid, {}, {}};
-  ProgressMeter meter(progress);
-  Threads(execution.threads).run([&] {
+  ProgressMeter meter(options.progress);
+  Threads(options.execution.threads).run([&] {
     meter.stage("sign", 1, 0, 1);
     SignPlan plan = plan_sign(mesh, sign, meter);
     const auto signs = plan.has_sign() ? make_signs(mesh, plan, sign, {grid}, meter) : nullptr;

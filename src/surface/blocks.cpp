@@ -64,7 +64,7 @@ TileBits bits_of(DistanceField::TileValues values, float limit, bool& has_nan) {
   const auto values = *field.tile(tx, ty, tz);
   const auto at = std::find_if(values.begin(), values.end(), [](float v) { return std::isnan(v); }) - values.begin();
   throw Error(ErrorCode::input,
-              "isosurface: the value of sample " +
+              "surface: the value of sample " +
                   index_text(kTileSide * tx + at % 8, kTileSide * ty + at / 8 % 8, kTileSide * tz + at / 64) +
                   " is not a number; compute the field again, or repair it");
 }

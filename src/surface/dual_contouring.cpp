@@ -180,7 +180,7 @@ class DualContouring {
     source.fill(blocks, points, hermite_, memory_.budget(), progress);
   }
 
-  void run(IsoReport& report) {
+  void run(SurfaceReport& report) {
     grow(mesh_, cells_.end(), mesh_.triangles.size(), memory_.budget());
     place_vertices(report);
     count();
@@ -237,7 +237,7 @@ class DualContouring {
     return lowest + min(max(found, least), most);
   }
 
-  void place_vertices(IsoReport& report) {
+  void place_vertices(SurfaceReport& report) {
     const auto thickness = static_cast<float>(blocks_.field().thickness());
     PerThread<SurfaceCounts> counted;
     each_block([&](std::size_t, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
@@ -380,7 +380,7 @@ class DualContouring {
 }  // namespace
 
 void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
-                    Mesh& mesh, IsoReport& report, ProgressMeter& progress) {
+                    Mesh& mesh, SurfaceReport& report, ProgressMeter& progress) {
   DualContouring(blocks, points, source, memory, mesh, progress).run(report);
 }
 

@@ -140,7 +140,7 @@ double least_thickness(MeshView mesh, const MeshParts& parts, const std::vector<
   return least;
 }
 
-std::string sentence_of_lost(const IsoReport& report) {
+std::string sentence_of_lost(const SurfaceReport& report) {
   if (report.lost_parts == 0 && report.lost_share < kLeastLostShare) return "";
   char share[32];
   std::snprintf(share, sizeof share, report.lost_share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * report.lost_share);
@@ -157,8 +157,8 @@ std::string sentence_of_lost(const IsoReport& report) {
 
 }  // namespace
 
-void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget, IsoReport& report,
-                     ProgressMeter& progress) {
+void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget,
+                     SurfaceReport& report, ProgressMeter& progress) {
   MemoryShare memory(budget);
   memory.take(20 * mesh.vertices.size() + 8 * mesh.triangles.size() + (kMostLostPoints + kMostCornerPoints) * 32);
   const auto at = static_cast<float>(level);

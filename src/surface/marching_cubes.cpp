@@ -57,7 +57,7 @@ Vec3 centre_point(const EdgePoints& points, const Neighbourhood& values, CellAt 
 
 }  // namespace
 
-void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
+void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, SurfaceReport& report,
                  ProgressMeter& progress) {
   const UniformTiles uniform(blocks.field().thickness());
   const auto thickness = static_cast<float>(blocks.field().thickness());

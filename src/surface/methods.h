@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two methods that make surfaces from blocks (docs/iso.md): marching cubes makes the triangles of each cell, with
-// vertices on the edges of the grid; dual contouring makes vertices in the cells and polygons around the crossed edges.
-// Dual contouring takes the crossing of an edge, and the normal there, from the field or from a mesh. And a search for
-// the parts of a mesh that its surface does not show, because no sample is inside them.
+// The two methods that make surfaces from blocks (docs/surface.md): marching cubes makes the triangles of each cell,
+// with vertices on the edges of the grid; dual contouring makes vertices in the cells and polygons around the crossed
+// edges. Dual contouring takes the crossing of an edge, and the normal there, from the field or from a mesh. And a
+// search for the parts of a mesh that its surface does not show, because no sample is inside them.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ namespace standoff {
 /// Marching cubes. Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped
 /// edges. Numbers the vertices of the blocks. Counts scratch memory in `memory`, and the mesh in its budget. Runs on
 /// the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
-void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, IsoReport& report,
+void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, SurfaceReport& report,
                  ProgressMeter& progress);
 
 /// The point and the normal of the surface on a crossed edge of the grid.
@@ -70,7 +70,7 @@ struct HermiteSource {
 
 /// Dual contouring. Adds to the mesh and to the report, as march_cubes() does.
 void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSource& source, MemoryShare& memory,
-                    Mesh& mesh, IsoReport& report, ProgressMeter& progress);
+                    Mesh& mesh, SurfaceReport& report, ProgressMeter& progress);
 
 /// Finds the parts of a mesh that its surface does not show, and sets the report's figures and its sentence about them.
 ///
@@ -82,7 +82,7 @@ void contour_dually(Blocks& blocks, const EdgePoints& points, const HermiteSourc
 /// share positions directly or through others. It is lost if all its tested points are lost: the points above, or a
 /// corner, and all corners and centres of up to 2^16 triangles in all. Takes time linear in the mesh; the result does
 /// not depend on the number of threads. Runs on the threads of the calling TBB arena.
-void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget, IsoReport& report,
-                     ProgressMeter& progress);
+void find_lost_parts(MeshView mesh, const DistanceField& field, double level, MemoryBudget& budget,
+                     SurfaceReport& report, ProgressMeter& progress);
 
 }  // namespace standoff

@@ -43,10 +43,10 @@ EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) 
   const bool floats_do = in_range && for_floats <= (coordinates == Coordinates::single ? kMostSnap : kMostForFloats);
   if (coordinates == Coordinates::single && !floats_do)
     throw Error(ErrorCode::limit,
-                "isosurface: 32-bit floats do not tell vertices apart that are " + number_text(far) +
+                "surface: 32-bit floats do not tell vertices apart that are " + number_text(far) +
                     " spacings from the origin; take 64-bit coordinates, or move the mesh nearer to the origin");
   if (!(for_doubles <= kMostSnap))
-    throw Error(ErrorCode::limit, "isosurface: the grid is " + number_text(far) +
+    throw Error(ErrorCode::limit, "surface: the grid is " + number_text(far) +
                                       " spacings from the origin, too far to tell its vertices apart; move the mesh "
                                       "nearer to the origin, or take a larger spacing");
   floats_ = coordinates != Coordinates::full && floats_do;
@@ -56,7 +56,7 @@ EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) 
 void expect_countable(std::uint64_t vertices) {
   constexpr std::uint64_t kMost = 0xfffffffe;
   if (vertices > kMost)
-    throw Error(ErrorCode::limit, "isosurface: " + std::to_string(vertices) +
+    throw Error(ErrorCode::limit, "surface: " + std::to_string(vertices) +
                                       " vertices are more than 32-bit indices can number; take fewer samples");
 }
 

@@ -75,7 +75,7 @@ struct SurfaceCounts {
     else if (std::isfinite(thickness) && (std::abs(lower) >= thickness || std::abs(upper) >= thickness))
       ++clamped;
   }
-  void add_to(IsoReport& report) const {
+  void add_to(SurfaceReport& report) const {
     report.clamped += clamped;
     report.capped += capped;
   }

@@ -154,17 +154,16 @@ void check_voxel_coordinates(const Box& box) {
 
 }  // namespace
 
-Occupancy surface_voxels(MeshView mesh, const Grid& grid, const Execution& execution,
-                         const ProgressCallback& progress) try {
-  validate("voxels", execution, Runs::on_the_cpu);
+Occupancy surface_voxels(MeshView mesh, const Grid& grid, const SurfaceVoxelOptions& options) try {
+  validate("voxels", options.execution, Runs::on_the_cpu);
   validate(grid);
   validate(mesh);
   check_voxel_coordinates(bounds(mesh));
   check_voxel_coordinates(grid.bounds());
   Occupancy voxels{grid, {}, {}};
   voxels.bits.resize(static_cast<std::size_t>(voxels.row_bytes() * grid.size.y * grid.size.z));
-  ProgressMeter meter(progress);
-  Threads(execution.threads).run([&] {
+  ProgressMeter meter(options.progress);
+  Threads(options.execution.threads).run([&] {
     constexpr std::size_t kGrain = 256;
     const Painter painter(voxels);
     meter.stage("voxels", static_cast<std::int64_t>(mesh.triangles.size()), 0, 1);

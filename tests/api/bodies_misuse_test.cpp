@@ -11,8 +11,8 @@ namespace {
 
 using namespace testing;
 
-const CollisionModel& body() {
-  static const CollisionModel model(one_triangle(), {.execution = {.threads = 1}});
+const Body& body() {
+  static const Body model(one_triangle(), {.execution = {.threads = 1}});
   return model;
 }
 
@@ -35,17 +35,17 @@ TEST(Misuse, Poses) {
 TEST(Misuse, Models) {
   for (const Mesh& mesh : odd_meshes())
     expect_answer_or_error("model", [&] {
-      const CollisionModel model(mesh, {.execution = {.threads = 1}});
+      const Body model(mesh, {.execution = {.threads = 1}});
       EXPECT_GT(automatic_tolerance(model, body()), 0);
     });
   for (const double x : kNumbers)
     expect_answer_or_error(named("spacing", x),
-                           [&] { CollisionModel(one_triangle(), {.spacing = x, .execution = {.threads = 1}}); });
+                           [&] { Body(one_triangle(), {.spacing = x, .execution = {.threads = 1}}); });
   for (const int n : kThreads)
-    expect_usage(named("threads", n), [&] { CollisionModel(one_triangle(), {.execution = {.threads = n}}); });
+    expect_usage(named("threads", n), [&] { Body(one_triangle(), {.execution = {.threads = n}}); });
   // A model that was moved from held nothing, and each query of it ended the program.
-  CollisionModel first(one_triangle(), {.execution = {.threads = 1}});
-  const CollisionModel second = std::move(first);
+  Body first(one_triangle(), {.execution = {.threads = 1}});
+  const Body second = std::move(first);
   EXPECT_EQ(first.bounds().max, second.bounds().max);  // NOLINT(bugprone-use-after-move): moves copy
   EXPECT_GT(first.memory_bytes(), 0);
 }
@@ -78,7 +78,7 @@ TEST(Misuse, OptionsOfQueries) {
     expect_answer_or_error(name, [&] { distance(body(), {}, body(), {}, {.limit = x}); });
     expect_answer_or_error(name, [&] { contacts(body(), {}, body(), {}, {.margin = x}); });
     expect_answer_or_error(name, [&] { sweep(body(), {}, body(), motion, {x}); });
-    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), {motion.from, motion.to, {x, x, 0}}); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), {motion.start, motion.end, {x, x, 0}}); });
     const DistanceField none;
     expect_answer_or_error(name, [&] { collide_thesis(none, {}, none, {}, x); });
   }
@@ -99,7 +99,7 @@ TEST(Misuse, Batches) {
     expect_usage(name, [&] { distance_all(body(), {}, body(), poses, {}, execution); });
     expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, execution); });
     expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, execution); });
-    expect_usage(name, [&] { CollisionModel(one_triangle(), {.execution = execution}); });
+    expect_usage(name, [&] { Body(one_triangle(), {.execution = execution}); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated}) {
     const Execution elsewhere{.backend = backend};
@@ -116,12 +116,13 @@ TEST(Misuse, Batches) {
     for (const int device : {-1, 0, 1'000'000}) {
       const Execution batch{1, backend, device};
       expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, batch); });
-      expect_answer_or_error("collide_all", [&] {
-        collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified}, batch, nullptr);
-      });
+      expect_answer_or_error("collide_all",
+                             [&] { collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified}, batch); });
       expect_answer_or_error("sweep_all", [&] { sweep_all(body(), {}, body(), motions, {}, batch); });
-      expect_answer_or_error("none", [&] { EXPECT_TRUE(collide_all(body(), {}, body(), {}, {}, batch).empty()); });
-      expect_answer_or_error("none", [&] { EXPECT_TRUE(sweep_all(body(), {}, body(), {}, {}, batch).empty()); });
+      expect_answer_or_error("none",
+                             [&] { EXPECT_TRUE(collide_all(body(), {}, body(), {}, {}, batch).results.empty()); });
+      expect_answer_or_error("none",
+                             [&] { EXPECT_TRUE(sweep_all(body(), {}, body(), {}, {}, batch).results.empty()); });
     }
 }
 
@@ -130,7 +131,7 @@ TEST(Misuse, Files) {
   for (const auto& path :
        {std::filesystem::path(), std::filesystem::path("/"), folder / "a", folder / "no/a.csv", folder / "a.csv"}) {
     expect_answer_or_error("save", [&] { body().save(path); });
-    expect_answer_or_error("load", [&] { CollisionModel::load(path); });
+    expect_answer_or_error("load", [&] { Body::load(path); });
   }
 }
 

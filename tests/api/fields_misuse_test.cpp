@@ -21,7 +21,7 @@ using namespace testing;
 const Grid kFieldGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = 1;
   return options;
@@ -44,9 +44,9 @@ TEST(Misuse, Grids) {
     expect_answer_or_error(name, [&] { compute(mesh, grid, kFullField, on_cpu()); });
     expect_answer_or_error(name, [&] { compute_into(mesh, grid, 1, values, on_cpu()); });
     for (const double thickness : {1.0, kInfinite}) {
-      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, grid, thickness, on_cpu()), 0); });
-      expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(1, grid, thickness, on_cpu(), true), 0); });
-      expect_answer_or_error(name, [&] { EXPECT_GT(slab_memory_needed(mesh, grid, thickness, on_cpu()), 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(estimate(mesh, grid, thickness, on_cpu()).whole, 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(estimate(1, grid, thickness, on_cpu()).dense, 0); });
+      expect_answer_or_error(name, [&] { EXPECT_GT(estimate(mesh, grid, thickness, on_cpu()).slabs, 0); });
       expect_answer_or_error(name, [&] { SlabComputation(mesh, grid, thickness, on_cpu(), 1).next(); });
     }
   }
@@ -60,7 +60,7 @@ TEST(Misuse, Slabs) {
       EXPECT_NE(slabs.next(), nullptr);
     });
     expect_answer_or_error(named("samples", n),
-                           [&] { EXPECT_GT(slab_memory_needed(triangle, kFieldGrid, 1, on_cpu(), n), 0); });
+                           [&] { EXPECT_GT(estimate(triangle, kFieldGrid, 1, on_cpu(), n).slabs, 0); });
   }
   for (const double x : kNumbers)
     expect_answer_or_error(named("thickness", x), [&] { SlabComputation(triangle, kFieldGrid, x, on_cpu()).next(); });
@@ -68,7 +68,7 @@ TEST(Misuse, Slabs) {
     expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kFieldGrid, 1, on_cpu()).next(); });
   for (const Mesh& mesh : unusable_meshes()) {
     expect_answer_or_error("mesh", [&] { SlabComputation(mesh, kFieldGrid, 1, on_cpu()).next(); });
-    expect_answer_or_error("mesh", [&] { slab_memory_needed(mesh, kFieldGrid, 1, on_cpu()); });
+    expect_answer_or_error("mesh", [&] { estimate(mesh, kFieldGrid, 1, on_cpu()); });
   }
 }
 
@@ -86,12 +86,13 @@ TEST(Misuse, FittingGrids) {
   boxes.push_back({{-1e308, 0, 0}, {1e308, 1, 1}});
   for (const Box& box : boxes) {
     for (const std::int64_t n : kCounts) {
-      expect_answer_or_error(named("samples", n), [&] { fit_samples(box, n); });
+      expect_answer_or_error(named("samples", n), [&] { fit_resolution(box, n); });
       expect_answer_or_error(named("size", n), [&] { fit_size(box, {n, 1, n}); });
     }
     for (const double x : kNumbers) {
-      expect_answer_or_error(named("padding", x), [&] { fit_samples(box, 5, {.samples = x}); });
-      expect_answer_or_error(named("thickness", x), [&] { fit_samples(box, 5, x); });
+      expect_answer_or_error(named("padding", x), [&] { fit_resolution(box, 5, {.samples = x}); });
+      expect_answer_or_error(named("thickness", x), [&] { fit_resolution(box, 5, x); });
+      expect_answer_or_error(named("band", x), [&] { fit_resolution(box, 5, padding_for_samples(x)); });
       expect_answer_or_error(named("padding", x), [&] { fit_size(box, {2, 2, 2}, {.length = x}); });
       expect_answer_or_error(named("padding", x), [&] { fit_size(box, {9, 9, 9}, {.least_samples = x}); });
       expect_answer_or_error(named("padding", x), [&] { fit_spacing(box, {1, 1, 1}, {.length = 5, .most_share = x}); });
@@ -101,6 +102,10 @@ TEST(Misuse, FittingGrids) {
       expect_answer_or_error(named("speed", x), [&] { minimum_grid(box, 1, 2, x); });
     }
   }
+}
+
+TEST(Misuse, MemoryLimits) {
+  expect_answer_or_error("limit", [] { EXPECT_NE(default_memory_limit(), 0); });
 }
 
 TEST(Misuse, Meshes) {
@@ -114,7 +119,7 @@ TEST(Misuse, Meshes) {
     expect_answer_or_error("exposed", [&] { exposed_triangles(mesh); });
     expect_answer_or_error("confidence", [&] { winding_margins(mesh, kFieldGrid); });
     expect_answer_or_error("confidence", [&] { sign_confidence(mesh, DistanceField(kFieldGrid, 1), {}); });
-    expect_answer_or_error("memory_needed", [&] { memory_needed(mesh, kFieldGrid, 1, on_cpu()); });
+    expect_answer_or_error("estimate", [&] { estimate(mesh, kFieldGrid, 1, on_cpu()); });
     expect_answer_or_error("verify", [&] { verify(DistanceField(kFieldGrid, 1), mesh); });
     for (const double thickness : {1.0, kInfinite})
       for (const Method method : {Method::tiles, Method::thesis}) {
@@ -132,7 +137,7 @@ void expect_options(const std::string& name, const ComputeOptions& options, doub
   expect_answer_or_error(name, [&] { compute(mesh, kFieldGrid, thickness, options); });
   expect_answer_or_error(name, [&] { compute_into(mesh, kFieldGrid, thickness, field, options); });
   expect_answer_or_error(name, [&] { compute_into(mesh, kFieldGrid, thickness, values, options); });
-  expect_answer_or_error(name, [&] { EXPECT_GT(memory_needed(mesh, kFieldGrid, thickness, options), 0); });
+  expect_answer_or_error(name, [&] { EXPECT_GT(estimate(mesh, kFieldGrid, thickness, options).whole, 0); });
 }
 
 TEST(Misuse, OptionsOfCompute) {
@@ -164,18 +169,22 @@ TEST(Misuse, Executions) {
     expect_usage("compute", [&] { compute(one_triangle(), kFieldGrid, 1, options); });
     expect_usage("compute_into", [&] { compute_into(one_triangle(), kFieldGrid, 1, values, options); });
     expect_usage("compute_into", [&] { compute_into(one_triangle(), kFieldGrid, 1, field, options); });
-    expect_usage("memory_needed", [&] { memory_needed(one_triangle(), kFieldGrid, 1, options); });
-    expect_usage("memory_needed", [&] { memory_needed(1, kFieldGrid, 1, options); });
+    expect_usage("estimate", [&] { estimate(one_triangle(), kFieldGrid, 1, options); });
+    expect_usage("estimate", [&] { estimate(1, kFieldGrid, 1, options); });
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = execution}); });
-    expect_usage("points", [&] { closest_points(one_triangle(), {}, execution); });
-    expect_usage("occupancy", [&] { occupancy(one_triangle(), kFieldGrid, {SignMethod::automatic}, execution); });
-    expect_usage("exposed", [&] { exposed_triangles(one_triangle(), {SignMethod::automatic}, execution); });
+    expect_usage("points", [&] { closest_points(one_triangle(), {}, {.execution = execution}); });
+    expect_usage("occupancy", [&] {
+      occupancy(one_triangle(), kFieldGrid, {.sign = {SignMethod::automatic}, .execution = execution});
+    });
+    expect_usage("exposed",
+                 [&] { exposed_triangles(one_triangle(), {.sign = {SignMethod::automatic}, .execution = execution}); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated})
     expect_usage("verify", [&] { verify(field, one_triangle(), {.execution = {.backend = backend}}); });
-  expect_usage("points", [&] { closest_points(one_triangle(), {}, {.backend = Backend::cuda}); });
+  expect_usage("points", [&] { closest_points(one_triangle(), {}, {.execution = {.backend = Backend::cuda}}); });
   expect_answer_or_error("device", [&] {
-    compute(one_triangle(), kFieldGrid, 1, {.execution = {.backend = Backend::cuda, .device = 1'000'000}});
+    compute(one_triangle(), kFieldGrid, 1,
+            {.sign = {SignMethod::none}, .execution = {.backend = Backend::cuda, .device = 1'000'000}});
   });
   ComputeOptions most = on_cpu();
   most.execution.threads = kMaxThreads;
@@ -191,14 +200,14 @@ TEST(Misuse, MemoryOfAnyCount) {
           ComputeOptions options = on_cpu();
           options.method = method;
           options.execution.backend = backend;
-          const auto ask = [&] { EXPECT_GT(memory_needed(n, kFieldGrid, thickness, options), 0) << n; };
+          const auto ask = [&] { EXPECT_GT(estimate(n, kFieldGrid, thickness, options).whole, 0) << n; };
           if (n < 1)
             expect_usage(named("triangles", n), ask);
           else
             expect_answer_or_error(named("triangles", n), ask);
           const Grid largest{{std::int64_t{1} << 40, std::int64_t{1} << 22, 1}, {}};
           expect_answer_or_error(named("triangles", n),
-                                 [&] { EXPECT_GT(memory_needed(n, largest, thickness, options), 0) << n; });
+                                 [&] { EXPECT_GT(estimate(n, largest, thickness, options).whole, 0) << n; });
         }
 }
 

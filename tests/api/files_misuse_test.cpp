@@ -51,7 +51,7 @@ TEST(Misuse, Reading) {
     expect_answer_or_error(path.string(), [&] { read_field(path); });
     expect_answer_or_error(path.string(), [&] { read_field_file(path); });
     expect_answer_or_error(path.string(), [&] { read_text(path); });
-    expect_answer_or_error(path.string(), [&] { read_query(path); });
+    expect_answer_or_error(path.string(), [&] { MeshQuery::load(path); });
   }
   const auto mesh = folder / "mesh.obj", field = folder / "field.vti";
   write_mesh(mesh, one_triangle());
@@ -83,7 +83,7 @@ TEST(Misuse, Writing) {
     const Mesh triangle = one_triangle();
     const std::vector<Sidecar> odd{{"", -1, {}}, {std::string(1000, 'n'), 1 << 30, std::vector<std::uint8_t>(7)}};
     expect_answer_or_error(name, [&] { write_field(path, field, {.sidecars = odd}); });
-    SlabComputation slabs(triangle, {{3, 3, 33}, {}}, 1, {}, 1);
+    SlabComputation slabs(triangle, {{3, 3, 33}, {}}, 1, {.sign = {SignMethod::none}}, 1);
     expect_answer_or_error(name, [&] { write_field(path, slabs, {.sidecars = odd}); });
     expect_answer_or_error(name, [&] { write_field(path, slabs, {.threads = -1}); });
     expect_answer_or_error(name, [&] { write_field(path, slabs); });
@@ -91,7 +91,7 @@ TEST(Misuse, Writing) {
     OddSlabs odd_slabs;
     expect_answer_or_error(name, [&] { write_field(path, odd_slabs); });
     expect_answer_or_error(name, [&] { write_text(path, {}); });
-    expect_answer_or_error(name, [&] { write_query(path, MeshQuery(one_triangle()), none_of<Existing>()); });
+    expect_answer_or_error(name, [&] { MeshQuery(one_triangle()).save(path, none_of<Existing>()); });
     expect_answer_or_error(name, [&] { write_slice_png(path, field); });
     expect_answer_or_error(name, [&] { write_mesh_png(path, one_triangle(), {.width = 16, .height = 16}); });
     expect_answer_or_error(name, [&] { write_picture(path, {}, {}, none_of<Existing>()); });
@@ -211,10 +211,6 @@ TEST(Misuse, DeviceMemory) {
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated}) {
     const cuda::OnStream on{.backend = backend, .device = backend == testing::kEmulated ? -1 : 4711};
     const Mesh nothing;
-    expect_answer_or_error("bounds", [&] { cuda::bounds(nothing, on); });
-    expect_answer_or_error("compute_into", [&] {
-      cuda::compute_into(nothing, {{2, 2, 2}, {}}, 1, values, none_of<Method>(), on);
-    });
     const cuda::FieldRequest requests[] = {{}, {nothing, {{2, 2, 2}, {}}, 1, values, none_of<Method>()}};
     expect_answer_or_error("compute_each", [&] { EXPECT_EQ(cuda::compute_each(requests, on).size(), 2u); });
     expect_answer_or_error("bounds_of_each", [&] { cuda::bounds_of_each(std::vector<MeshView>(2), on); });

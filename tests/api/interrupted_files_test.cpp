@@ -19,7 +19,8 @@ namespace {
 const Mesh kBall = ball_mesh(1, 60);
 
 const DistanceField& field() {
-  static const DistanceField full = compute(kBall, fit_samples(bounds(kBall), 72), kFullField).field;
+  static const DistanceField full =
+      compute(kBall, fit_resolution(bounds(kBall), 72), kFullField, {.sign = {SignMethod::none}}).field;
   return full;
 }
 
@@ -45,7 +46,7 @@ TEST(Interrupted, Meshes) {
     const auto path = folder / ("ball." + format.extension);
     EXPECT_GE(stop_writing(path, [&](const auto& progress) { write_mesh(path, kBall, {.progress = progress}); }), 4);
     EXPECT_GE(stop_everywhere([&](const auto& progress) {
-                EXPECT_EQ(read_mesh(path, {.progress = progress}).triangles.size(), kBall.triangles.size());
+                EXPECT_EQ(read_mesh(path, {.progress = progress}).mesh.triangles.size(), kBall.triangles.size());
               }),
               5);
   }
@@ -59,8 +60,8 @@ TEST(Interrupted, FieldsInSlabs) {
     const TempFolder folder;
     const auto path = folder / ("ball." + format.extension);
     const auto write = [&](const ProgressCallback& computing, const ProgressCallback& writing) {
-      const Grid grid = fit_samples(bounds(kBall), 72);
-      ComputeOptions options;
+      const Grid grid = fit_resolution(bounds(kBall), 72);
+      ComputeOptions options{.sign = {SignMethod::none}};
       options.execution.threads = 1;
       options.progress = computing;
       SlabComputation slabs(kBall, grid, 0.1, options, 1);
@@ -96,7 +97,8 @@ TEST(Interrupted, MeshesOfText) {
   for (const char* name : {"ball.off", "ball.stl", "ball.mesh"}) {
     SCOPED_TRACE(name);
     EXPECT_GE(stop_everywhere([&](const auto& progress) {
-                EXPECT_EQ(read_mesh(folder / name, {.progress = progress}).triangles.size(), kBall.triangles.size());
+                EXPECT_EQ(read_mesh(folder / name, {.progress = progress}).mesh.triangles.size(),
+                          kBall.triangles.size());
               }),
               10);
   }
@@ -130,7 +132,7 @@ TEST(Interrupted, FilesByAnExceptionOfTheCallback) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.ply") || std::filesystem::exists(folder / "a.vdb"));
   write_mesh(folder / "a.ply", kBall);
   write_field(folder / "a.vdb", field());
-  EXPECT_THROW(read_mesh(folder / "a.ply", {.progress = throws}), Stop);
+  EXPECT_THROW(read_mesh(folder / "a.ply", {.progress = throws}).mesh, Stop);
   EXPECT_THROW(read_field(folder / "a.vdb", {.progress = throws}), Stop);
 }
 

@@ -48,7 +48,7 @@ TEST(Interrupted, LongStepsReportOften) {
   };
   const MeshQuery query(mesh, {{SignMethod::none}, {.threads = 1}, count});
   EXPECT_GE(reports["tree"], 20);
-  const CollisionModel model(mesh, {.execution = {.threads = 1}, .progress = count});
+  const Body model(mesh, {.execution = {.threads = 1}, .progress = count});
   EXPECT_GE(reports["bvh"], 10);
   EXPECT_GE(reports["components"], 8);
   Mesh turned = mesh;  // which needs a diagnosis
@@ -60,8 +60,8 @@ TEST(Interrupted, LongStepsReportOften) {
 
 TEST(Interrupted, BuildingAModel) {
   EXPECT_GE(stop_everywhere([](const ProgressCallback& progress) {
-              const CollisionModel model(open_ball(), {.execution = {.threads = 1}, .progress = progress});
-              EXPECT_FALSE(model.closed());
+              const Body model(open_ball(), {.execution = {.threads = 1}, .progress = progress});
+              EXPECT_FALSE(model.has_inside());
             }),
             5);
 }
@@ -69,7 +69,7 @@ TEST(Interrupted, BuildingAModel) {
 // What a callback throws comes out as it is, also through the computations within.
 TEST(Interrupted, ByAnExceptionOfTheCallback) {
   struct Stop {};
-  EXPECT_THROW(CollisionModel(open_ball(), {.progress = [](const Progress&) -> bool { throw Stop{}; }}), Stop);
+  EXPECT_THROW(Body(open_ball(), {.progress = [](const Progress&) -> bool { throw Stop{}; }}), Stop);
   EXPECT_THROW(report(open_ball(), {.progress = [](const Progress&) -> bool { throw Stop{}; }}), Stop);
 }
 

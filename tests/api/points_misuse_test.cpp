@@ -58,15 +58,20 @@ TEST(PointsMisuse, Points) {
   expect_usage("few", [&] { query.closest(points, few_closest); });
   expect_usage("few", [&] { query.winding_numbers(points, few); });
   for (const int threads : kThreads) {
-    expect_usage("threads", [&] { MeshQuery(one_triangle(), {.execution = {.threads = threads}}); });
-    expect_usage("threads", [&] { query.distances({points.data(), 1}, few, {.threads = threads}); });
-    expect_usage("threads", [&] { query.closest({points.data(), 1}, few_closest, {.threads = threads}); });
-    expect_usage("threads", [&] { query.winding_numbers({points.data(), 1}, few, {.threads = threads}); });
+    expect_usage("threads",
+                 [&] { MeshQuery(one_triangle(), {.sign = {SignMethod::none}, .execution = {.threads = threads}}); });
+    expect_usage("threads", [&] { query.distances({points.data(), 1}, few, {.execution = {.threads = threads}}); });
+    expect_usage("threads", [&] {
+      query.closest({points.data(), 1}, few_closest, {.execution = {.threads = threads}});
+    });
+    expect_usage("threads", [&] {
+      query.winding_numbers({points.data(), 1}, few, {.execution = {.threads = threads}});
+    });
   }
 }
 
 TEST(PointsMisuse, Gradients) {
-  const MeshQuery query(one_triangle());
+  const MeshQuery query(one_triangle(), {.sign = {SignMethod::none}});
   for (const double x : kNumbers)
     for (const double y : kNumbers) {
       ClosestPoint at;

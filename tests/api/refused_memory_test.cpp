@@ -15,10 +15,10 @@
 #include "standoff/collision.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
+#include "standoff/crossings.h"
 #include "standoff/cuda.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/exposed.h"
-#include "standoff/hermite.h"
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/mesh_report.h"
@@ -81,10 +81,10 @@ const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1
 const Grid kGrid{{12, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = 1;
-  options.nearest_triangle = true;
+  options.nearest = true;
   return options;
 }
 
@@ -102,13 +102,13 @@ TEST(RefusedMemory, Computing) {
           while (slabs.next()) {
           }
         });
-        expect_limit_error("slab_memory_needed", [&] { slab_memory_needed(kMesh, tall, thickness, options, 1); });
+        expect_limit_error("estimate", [&] { estimate(kMesh, tall, thickness, options, 1); });
       }
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
   const std::vector<Vec3> points(3);
-  expect_limit_error("points", [&] { closest_points(kMesh, points, {.threads = 1}); });
+  expect_limit_error("points", [&] { closest_points(kMesh, points, {.execution = {.threads = 1}}); });
   std::vector<double> numbers(3);
   std::vector<ClosestPoint> closest(3);
   for (const SignMethod method : {SignMethod::winding, SignMethod::normal, SignMethod::shell}) {
@@ -116,22 +116,27 @@ TEST(RefusedMemory, Computing) {
                                     .execution = {.threads = 1}};
     expect_limit_error("query", [&] { MeshQuery(kMesh, of_query); });
     const MeshQuery query(kMesh, of_query);
-    expect_limit_error("distances", [&] { query.distances(points, numbers, {.threads = 1}); });
-    expect_limit_error("closest", [&] { query.closest(points, closest, {.threads = 1}); });
+    expect_limit_error("distances", [&] { query.distances(points, numbers, {.execution = {.threads = 1}}); });
+    expect_limit_error("closest", [&] { query.closest(points, closest, {.execution = {.threads = 1}}); });
     if (method == SignMethod::winding)
-      expect_limit_error("winding_numbers", [&] { query.winding_numbers(points, numbers, {.threads = 1}); });
+      expect_limit_error("winding_numbers",
+                         [&] { query.winding_numbers(points, numbers, {.execution = {.threads = 1}}); });
     expect_error_or_limit("gradient", [&] { query.gradient({}, {}); });
     expect_error_or_limit("few", [&] { query.distances(points, {}); });
   }
   expect_limit_error("confidence", [&] {
-    sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {}, {.threads = 1}), {.threads = 1});
+    sign_confidence(kMesh, DistanceField(kGrid, 1), winding_margins(kMesh, kGrid, {.execution = {.threads = 1}}),
+                    {.execution = {.threads = 1}});
   });
-  expect_limit_error("occupancy", [&] { occupancy(kMesh, kGrid, {SignMethod::automatic}, {.threads = 1}); });
-  expect_limit_error("crossings", [&] { edge_crossings(kMesh, kGrid, {.execution = {.threads = 1}}); });
-  expect_limit_error("surface voxels", [&] { surface_voxels(kMesh, kGrid, {.threads = 1}); });
+  expect_limit_error("occupancy",
+                     [&] { occupancy(kMesh, kGrid, {.sign = {SignMethod::automatic}, .execution = {.threads = 1}}); });
+  expect_limit_error("crossings",
+                     [&] { edge_crossings(kMesh, kGrid, {.sign = {SignMethod::none}, .execution = {.threads = 1}}); });
+  expect_limit_error("surface voxels", [&] { surface_voxels(kMesh, kGrid, {.execution = {.threads = 1}}); });
   const Mesh solid{kMesh.vertices, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
-  expect_limit_error("exposed", [&] { exposed_triangles(solid, {SignMethod::automatic}, {.threads = 1}); });
-  expect_limit_error("memory_needed", [&] { memory_needed(kMesh, kGrid, 1, on_cpu()); });
+  expect_limit_error("exposed",
+                     [&] { exposed_triangles(solid, {.sign = {SignMethod::automatic}, .execution = {.threads = 1}}); });
+  expect_limit_error("estimate", [&] { estimate(kMesh, kGrid, 1, on_cpu()); });
 }
 
 TEST(RefusedMemory, Fields) {
@@ -174,21 +179,22 @@ TEST(RefusedMemory, Fields) {
   std::vector<Vec3> slopes(3);
   expect_limit_error("gradient", [&] { field.gradient(points, slopes, {.threads = 1}); });
   expect_error_or_limit("padding_for", [] { padding_for(-1); });
+  expect_error_or_limit("padding_for_samples", [] { padding_for_samples(-1); });
   expect_error_or_limit("copy_slices", [&] { field.copy_slices(0, 1, few); });
   expect_error_or_limit("copy_nearest_slices", [&] { field.copy_nearest_slices(0, 1, few_nearest); });
   expect_limit_error("verify", [&] { verify(field, kMesh, options); });
   expect_limit_error("inspect", [&] { inspect(field); });
   const std::vector<SidecarKind> kinds{SidecarKind::gradient, SidecarKind::feature};
-  expect_limit_error("sidecars", [&] { sidecars(kMesh, field, kinds, {.threads = 1}); });
+  expect_limit_error("sidecars", [&] { sidecars(kMesh, field, kinds, {.execution = {.threads = 1}}); });
   expect_limit_error("name_of", [] { name_of(SidecarKind::closest_point); });
 }
 
 TEST(RefusedMemory, Surfaces) {
   const DistanceField field = compute(kMesh, kGrid, kFullField, on_cpu()).field;
-  for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
-    const IsoOptions options{.at = 0.5, .method = method, .examine = true, .execution = {.threads = 1}};
-    expect_limit_error("isosurface", [&] { isosurface(field, options); });
-    expect_limit_error("isosurface of a mesh", [&] { isosurface(kMesh, kGrid, {}, options); });
+  for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual}) {
+    const SurfaceOptions options{.at = 0.5, .method = method, .examine = true, .execution = {.threads = 1}};
+    expect_limit_error("surface", [&] { surface(field, options); });
+    expect_limit_error("surface of a mesh", [&] { surface(kMesh, kGrid, options); });
   }
 }
 
@@ -217,8 +223,6 @@ TEST(RefusedMemory, Devices) {
   expect_error_or_limit("check", [&] { cuda::check(bad, nothing); });
   float values[1000];
   const cuda::OnStream on{.backend = testing::kEmulated};
-  expect_limit_error("bounds", [&] { cuda::bounds(kMesh, on); });
-  expect_limit_error("compute_into", [&] { cuda::compute_into(kMesh, kGrid, 1, values, Method::tiles, on); });
   const cuda::FieldRequest requests[] = {{kMesh, kGrid, 1, values}, {kMesh, kGrid, -1, values}};
   const MeshView meshes[] = {kMesh, {}};
   expect_limit_error("compute_each", [&] { cuda::compute_each(requests, on); });
@@ -227,16 +231,16 @@ TEST(RefusedMemory, Devices) {
 }
 
 TEST(RefusedMemory, Bodies) {
-  expect_limit_error("model", [&] { CollisionModel(kMesh, {.execution = {.threads = 1}}); });
-  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
+  expect_limit_error("model", [&] { Body(kMesh, {.execution = {.threads = 1}}); });
+  const Body body(kMesh, {.execution = {.threads = 1}});
   const Pose near = make_pose({0, 0, 1}, 0.3, {0.1, 0.2, 0.1});
   const std::vector<Pose> poses(3, near);
   const std::vector<RigidMotion> motions(3, RigidMotion{make_pose({0, 0, 1}, 0, {5, 0, 0}), near, {}});
   expect_limit_error("collide", [&] { collide(body, {}, body, near); });
   Mesh tetrahedron = kMesh;
   tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  expect_limit_error("closed model", [&] { CollisionModel(tetrahedron, {.execution = {.threads = 1}}); });
-  const CollisionModel closed(tetrahedron, {.execution = {.threads = 1}});
+  expect_limit_error("closed model", [&] { Body(tetrahedron, {.execution = {.threads = 1}}); });
+  const Body closed(tetrahedron, {.execution = {.threads = 1}});
   expect_limit_error("containment", [&] { collide(closed, {}, body, near, {.containment = true}); });
   expect_limit_error("containments",
                      [&] { collide_all(closed, {}, body, poses, {.containment = true}, {.threads = 1}); });
@@ -276,7 +280,7 @@ TEST(RefusedMemory, Files) {
     expect_limit_error(name, [&] { write_field(path, plain, {.threads = 1}); });
     expect_limit_error(name, [&] { read_field(path); });
   }
-  const auto crossings = edge_crossings(kMesh, kGrid);
+  const auto crossings = edge_crossings(kMesh, kGrid, {.sign = {SignMethod::none}});
   for (const char* name : {"c.npz", "c.csv"}) {
     const auto path = folder / name;
     expect_limit_error(name, [&] { write_crossings(path, crossings, kGrid); });
@@ -287,13 +291,13 @@ TEST(RefusedMemory, Files) {
     expect_limit_error(name, [&] { write_voxels(path, voxels); });
   }
   const auto body_path = folder / "a.body", text = folder / "a.txt", picture = folder / "a.png";
-  const CollisionModel body(kMesh, {.execution = {.threads = 1}});
+  const Body body(kMesh, {.execution = {.threads = 1}});
   expect_limit_error("save", [&] { body.save(body_path); });
-  expect_limit_error("load", [&] { CollisionModel::load(body_path); });
+  expect_limit_error("load", [&] { Body::load(body_path); });
   const auto query_path = folder / "a.query";
-  const MeshQuery query(kMesh, {.execution = {.threads = 1}});
-  expect_limit_error("write_query", [&] { write_query(query_path, query); });
-  expect_limit_error("read_query", [&] { read_query(query_path); });
+  const MeshQuery query(kMesh, {.sign = {SignMethod::none}, .execution = {.threads = 1}});
+  expect_limit_error("save a query", [&] { query.save(query_path); });
+  expect_limit_error("load a query", [&] { MeshQuery::load(query_path); });
   expect_limit_error("write_text", [&] { write_text(text, "some"); });
   expect_limit_error("read_text", [&] { read_text(text); });
   expect_limit_error("slice", [&] { write_slice_png(picture, field); });

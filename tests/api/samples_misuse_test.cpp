@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// hermite.h, voxels.h and sidecars.h with arguments that make no sense.
+// crossings.h, voxels.h and sidecars.h with arguments that make no sense.
 #include "standoff/compute.h"
-#include "standoff/hermite.h"
+#include "standoff/crossings.h"
 #include "standoff/sidecars.h"
 #include "standoff/voxels.h"
 #include "tests/api/misuse.h"
@@ -16,9 +16,9 @@ const std::vector<SidecarKind> kKinds{SidecarKind::closest_point, SidecarKind::b
                                       SidecarKind::gradient};
 
 DistanceField field_of(const Mesh& mesh, const Grid& grid) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution = {.threads = 1, .backend = Backend::cpu};
-  options.nearest_triangle = true;
+  options.nearest = true;
   return compute(mesh, grid, kFullField, options).field;
 }
 
@@ -27,13 +27,13 @@ TEST(MisuseOfSamples, GridsAndMeshes) {
   for (const Grid& grid : odd_grids()) {
     const std::string name = "grid " + std::to_string(grid.size.x) + "x" + std::to_string(grid.size.y) + "x" +
                              std::to_string(grid.size.z) + ", spacing " + std::to_string(grid.spacing.y);
-    expect_answer_or_error(name, [&] { edge_crossings(mesh, grid); });
+    expect_answer_or_error(name, [&] { edge_crossings(mesh, grid, {.sign = {SignMethod::none}}); });
     expect_answer_or_error(name, [&] { surface_voxels(mesh, grid); });
     expect_answer_or_error(name, [&] { sidecars(mesh, field_of(mesh, grid), kKinds); });
   }
   const DistanceField field = field_of(mesh, kSampleGrid);
   for (const Mesh& odd : odd_meshes()) {
-    expect_answer_or_error("crossings", [&] { edge_crossings(odd, kSampleGrid); });
+    expect_answer_or_error("crossings", [&] { edge_crossings(odd, kSampleGrid, {.sign = {SignMethod::none}}); });
     expect_answer_or_error("voxels", [&] { surface_voxels(odd, kSampleGrid); });
     expect_answer_or_error("sidecars", [&] { sidecars(odd, field, kKinds); });
   }
@@ -44,18 +44,16 @@ TEST(MisuseOfSamples, Options) {
   const DistanceField field = field_of(mesh, kSampleGrid);
   for (const int threads : kThreads) {
     const Execution execution{.threads = threads};
-    expect_usage("crossings", [&] { edge_crossings(mesh, kSampleGrid, {.execution = execution}); });
-    expect_usage("voxels", [&] { surface_voxels(mesh, kSampleGrid, execution); });
-    expect_usage("sidecars", [&] { sidecars(mesh, field, kKinds, execution); });
+    expect_usage("crossings",
+                 [&] { edge_crossings(mesh, kSampleGrid, {.sign = {SignMethod::none}, .execution = execution}); });
+    expect_usage("voxels", [&] { surface_voxels(mesh, kSampleGrid, {.execution = execution}); });
+    expect_usage("sidecars", [&] { sidecars(mesh, field, kKinds, {.execution = execution}); });
   }
   expect_usage("method", [&] { edge_crossings(mesh, kSampleGrid, {.sign = {none_of<SignMethod>()}}); });
-  expect_usage("memory", [&] { edge_crossings(mesh, kSampleGrid, {.memory_limit = -1}); });
   expect_usage("kind", [&] { sidecars(mesh, field, std::vector{none_of<SidecarKind>()}); });
   expect_usage("kind", [] { bytes_per_sample(none_of<SidecarKind>()); });
   EXPECT_EQ(name_of(none_of<SidecarKind>()), "");
   expect_usage("no nearest", [&] { sidecars(mesh, DistanceField(kSampleGrid, 1), kKinds); });
-  expect_usage("beside", [&] { compute(mesh, kSampleGrid, 1, {.bytes_beside = -1}); });
-  expect_usage("beside", [&] { compute(mesh, kSampleGrid, 1, {.bytes_beside = kMost}); });
   EXPECT_TRUE(sidecars(mesh, field, {}).empty());
   std::vector<Sidecar> into{{"other", 2, std::vector<std::uint8_t>(7)}, {}, {}};
   sidecars_into(mesh, field, kKinds, into);

@@ -32,7 +32,7 @@ class Wall : public CollisionPeer {
 TEST(Agreement, OfSweeps) {
   constexpr double kTolerance = 0.1;
   RigidMotion motion;
-  motion.to.translation = {20, 0, 0};  // touches the wall from 0.5 to 0.55
+  motion.end.translation = {20, 0, 0};  // touches the wall from 0.5 to 0.55
   const auto same = [&](double ours, double theirs) {
     return agree_on_sweep(Wall{}, motion, kTolerance, ours, theirs);
   };
@@ -41,7 +41,7 @@ TEST(Agreement, OfSweeps) {
   EXPECT_FALSE(same(0.49, 0.499)) << "ended where the bodies are farther apart than the tolerance";
   EXPECT_FALSE(same(0.552, 0.499)) << "went through the wall first";
   EXPECT_FALSE(same(kFree, 0.499)) << "missed the wall";
-  motion.to.translation = {5, 0, 0};
+  motion.end.translation = {5, 0, 0};
   EXPECT_TRUE(same(kFree, kFree));
   EXPECT_FALSE(same(1, kFree)) << "a hit of nothing";
 }

@@ -20,7 +20,7 @@ class Poses : public testing::Test {
   std::vector<Pose> of(const std::string& question) { return drawn_.of(parse_question(question)); }
 
   CollisionSettings settings_;
-  CollisionModel a_{scenes::make("bender", 0)}, b_{scenes::make("fly", 1000)};
+  Body a_{scenes::make("bender", 0)}, b_{scenes::make("fly", 1000)};
   PosesDrawn drawn_{settings_, a_, b_};
 };
 
@@ -63,7 +63,7 @@ TEST_F(Poses, AreTheSameForEveryQuestion) {
   EXPECT_EQ(of("distance@hits=0,poses=5").size(), 5u);
   const Question question = parse_question("sweep@gap=0.1,poses=4,way=2");
   for (const RigidMotion& motion : make_motions(settings_, question, few)) {
-    const Vec3 way = motion.to.translation - motion.from.translation;
+    const Vec3 way = motion.end.translation - motion.start.translation;
     EXPECT_NEAR(std::sqrt(dot(way, way)), 2, 1e-12);
   }
 }

@@ -88,8 +88,8 @@ TEST_F(CollisionVerbs, BodiesAreBuiltOnceForEveryQuestion) {
   EXPECT_EQ(built["output"]["bytes"], read_bytes(folder / "box.body").size());
   const Json told = done(words("info box.body --json")).json();
   EXPECT_EQ(told["kind"], "body");
-  EXPECT_EQ(built["closed"], true);
-  for (const char* what : {"mesh", "closed", "grid", "thickness", "memory_bytes"})
+  EXPECT_EQ(built["has_inside"], true);
+  for (const char* what : {"mesh", "has_inside", "grid", "thickness", "memory_bytes"})
     EXPECT_EQ(told[what], built[what]) << what;
   EXPECT_NE(done(words("info box.body")).out.find("triangles     12\n"), std::string::npos);
   // The same answers from the file as from the mesh, wherever a body may stand.
@@ -177,7 +177,7 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   expect("collide scene:box scene:box --pose 1e9,0,0,0,0,1e9,0,0,0,0,1e9,0", 2, "right angles by 1e+18;");
   expect("collide scene:fly:0 scene:box", 2, "scene:fly:TRIANGLES '0': give a whole number from 1 to ");
   write_bytes(folder / "huge.obj", "v 0 0 0\nv 1e21 0 0\nv 0 -1 0\nf 1 2 3\n");
-  expect("collide huge.obj scene:box", 3, "huge.obj: model: the mesh is 1e+21 across; scale it");
+  expect("collide huge.obj scene:box", 3, "huge.obj: body: the mesh is 1e+21 across; scale it");
   expect("build scene:box -o fine.body --spacing 1e-6", 5, "a spacing of 1e-06 makes");
   // A body by another name.
   done(words("build scene:box -o room.body"));

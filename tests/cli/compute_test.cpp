@@ -36,7 +36,7 @@ TEST_F(Compute, WritesBesideNothing) {
   EXPECT_FALSE(ran.says("\r")) << "a progress bar without a terminal";
   const DistanceField field = read_field(folder / "box.vti");
   EXPECT_EQ(field.grid().size.x, 20);
-  EXPECT_NEAR(field.interpolate({0, 0, 0}), 0.5, 0.1);
+  EXPECT_NEAR(field.interpolate({0, 0, 0}), -0.5, 0.1);
   EXPECT_EQ(field.provenance().method, "tiles");
   EXPECT_NE(field.provenance().mesh_hash, 0u);
 }

@@ -141,7 +141,7 @@ TEST_F(Interrupt, AfterTheFileWasCompletedSaysSo) {
   }
   ::fcntl(ends[1], F_SETFL, 0);
   for (const std::string command : {"compute scene:box -r 20 -o a.vti --json", "generate sphere -o a.ply --json",
-                                    "iso scene:box -r 20 -o a.stl --json", "convert scene:box -o a.obj --json",
+                                    "surface scene:box -r 20 -o a.stl --json", "convert scene:box -o a.obj --json",
                                     "voxels scene:box -r 20 -o a.npz --json", "build scene:box -o a.body --json",
                                     "points scene:box points.csv -o a.npy --json",
                                     "collide scene:box scene:box --poses points.csv -o a.csv --json"}) {

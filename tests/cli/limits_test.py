@@ -49,8 +49,8 @@ def setUpModule():
 CALLS = {
     "compute": ("compute", "scene:sphere:2000", "-r", "40", "--sign", "auto", "-o", "{}.vti"),
     "compute open": ("compute", "scene:open:500", "-r", "24", "--sign", "winding", "-o", "{}.npz"),
-    "iso of a mesh": ("iso", "scene:sphere:2000", "-r", "30", "--method", "dual", "-o", "{}.ply"),
-    "iso of a field": ("iso", "field.vti", "--at", "0.05", "-o", "{}.ply"),
+    "surface of a mesh": ("surface", "scene:sphere:2000", "-r", "30", "--method", "dual", "-o", "{}.ply"),
+    "surface of a field": ("surface", "field.vti", "--at", "0.05", "-o", "{}.ply"),
     "points": ("points", "scene:sphere:2000", "points.csv", "--sign", "auto", "-o", "{}.npy"),
     "crossings": ("crossings", "scene:sphere:2000", "-r", "30", "-o", "{}.npz"),
     "voxels": ("voxels", "scene:sphere:2000", "-r", "30", "-o", "{}.npz"),

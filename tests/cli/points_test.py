@@ -25,10 +25,10 @@ def run(*words, stdin=None):
 
 
 def distances_to_box(points):
-    """Unsigned: outside by the part beyond the box, inside by the nearest face."""
+    """Outside by the part beyond the box, inside, where they are negative, by the nearest face."""
     beyond = np.abs(points) - HALF
     outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
-    return np.where((beyond <= 0).all(axis=1), -beyond.max(axis=1), outside)
+    return np.where((beyond <= 0).all(axis=1), beyond.max(axis=1), outside)
 
 
 def csv_columns(text):
@@ -152,7 +152,7 @@ class Points(unittest.TestCase):
                     "triangle": np.array(text["triangle"], dtype="u4"), "barycentric": of("w0", "w1", "w2"),
                     "feature": np.array([features.index(f) for f in text["feature"]], dtype="u1"),
                     "gradient": of("gradient_x", "gradient_y", "gradient_z")}
-        np.testing.assert_allclose(np.linalg.norm(expected["closest"] - self.points, axis=1), expected["distance"], atol=1e-14)
+        np.testing.assert_allclose(np.linalg.norm(expected["closest"] - self.points, axis=1), np.abs(expected["distance"]), atol=1e-14)
         np.testing.assert_allclose(expected["barycentric"].sum(axis=1), 1, atol=1e-14)
         np.testing.assert_allclose(np.linalg.norm(expected["gradient"], axis=1), 1, atol=1e-14)
         for name in ["a.csv", "a.npy", "a.npz", "a.ply"]:
@@ -207,11 +207,11 @@ class Points(unittest.TestCase):
         self.refused(3, "line 1: point 0 lies beyond 1e+150", "scene:box", "-", stdin=b"1,2,1e200")
         ran = self.done("scene:box", "-", "--skip-invalid", "--with", "closest,triangle,feature,barycentric,gradient", stdin=text)
         columns = csv_columns(ran.stdout)
-        self.assertEqual(columns["distance"], ["0.5", "nan", "nan", "nan", "nan", "nan", "8"])
+        self.assertEqual(columns["distance"], ["-0.5", "nan", "nan", "nan", "nan", "nan", "8"])
         self.assertEqual(columns["closest_x"][1], "nan")
         self.assertEqual(columns["triangle"][1:3], ["", ""])
         self.assertEqual(columns["feature"][3], "")
-        self.assertIn(b"7 points, 5 invalid", ran.stderr)
+        self.assertIn(b"7 points, 1 of them inside, 5 invalid", ran.stderr)
         points = np.zeros((4, 3))
         points[2, 1] = np.nan
         for name, where in [("bad.npy", "bad.npy:point 2: point 2"), ("bad.npz", "bad.npz:point 2: arr_0.npy: point 2"),
@@ -308,7 +308,7 @@ class Points(unittest.TestCase):
         self.refused(2, "p.npy: it is an input", "scene:box", "p.npy", "-o", "p.npy", "-f")
         self.refused(2, "use .csv, .ply, .npy or .npz", "scene:box", "p.npy", "-o", "a.vti")
         self.refused(2, "--with 'near': give closest, triangle", "scene:box", "p.npy", "--with", "closest,near")
-        self.refused(2, "--with winding is for signs", "scene:box", "p.npy", "--with", "winding")
+        self.refused(2, "--with winding is for signs", "scene:box", "p.npy", "--with", "winding", "--sign", "none")
         self.refused(2, "points have no samples", "scene:box", "p.npy", "--sign", "shell:3s")
         self.refused(3, "no such file", "scene:box", "absent.csv")
         self.refused(3, "points are not read from .obj files", "scene:box", self.file("mesh.obj", b"v 0 0 0\n"))
@@ -324,6 +324,7 @@ class Points(unittest.TestCase):
     def test_scale(self):
         text = self.done("scene:box", "-", "--scale", "2", stdin=b"5,0,0\n").stdout
         self.assertEqual(text, b"distance\n3\n")  # points are not scaled
+        self.assertEqual(self.done("scene:box", "-", "--sign", "none", stdin=b"0,0,0\n").stdout, b"distance\n0.5\n")
 
     def test_queries_in_files(self):
         np.save("p.npy", self.points)
@@ -334,7 +335,7 @@ class Points(unittest.TestCase):
         self.assertEqual(again.stdout, fresh.stdout)
         distance = np.array(csv_columns(fresh.stdout)["distance"], dtype=float)
         inside = (np.abs(self.points) < HALF).all(axis=1)
-        np.testing.assert_allclose(distance, np.where(inside, -1, 1) * distances_to_box(self.points), atol=1e-14)
+        np.testing.assert_allclose(distance, distances_to_box(self.points), atol=1e-14)
         np.testing.assert_array_equal(np.array(csv_columns(fresh.stdout)["winding"], dtype=float)[2:], inside[2:])
         self.refused(2, "box.query: a query has its scale and sign", "box.query", "p.npy", "--sign", "auto")
         self.refused(2, "box.query: a query has its scale and sign", "box.query", "p.npy", "--scale", "2")

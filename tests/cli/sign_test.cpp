@@ -45,7 +45,7 @@ class Sign : public testing::ProgramTest {
 };
 
 TEST_F(Sign, EveryMethodAndRule) {
-  EXPECT_EQ(sides("ball.obj"), "+++");
+  EXPECT_EQ(sides("ball.obj"), "--+") << "auto is the default";
   for (const std::string method : {"none", "auto", "winding", "parity", "normal", "flood"})
     EXPECT_EQ(sides("ball.obj --sign " + method), method == "none" ? "+++" : "--+") << method;
   EXPECT_EQ(sides("ball.obj --sign winding --invert"), "++-");
@@ -61,7 +61,7 @@ TEST_F(Sign, ConfidenceIsAFileOfItsOwn) {
   for (const std::string wrong : {"out.vti", "./out.vti", "ball.obj", "margins.txt", "nowhere/margins.vti"})
     EXPECT_NE(compute("ball.obj --sign auto --confidence " + wrong).code, 0) << wrong;
   EXPECT_FALSE(std::filesystem::exists(folder / "out.vti"));
-  EXPECT_EQ(compute("ball.obj --confidence margins.vti").code, 2);
+  EXPECT_EQ(compute("ball.obj --sign none --confidence margins.vti").code, 2);
   const Ran ran = compute("hole.obj --sign auto --confidence margins.vti");
   ASSERT_EQ(ran.code, 0) << ran.err;
   EXPECT_TRUE(ran.says("confidence: of ")) << ran.err;
@@ -87,7 +87,7 @@ TEST_F(Sign, Outer) {
   EXPECT_EQ(run(words("verify out.vti nested.obj")).code, 0);
   EXPECT_EQ(compute("sheet.obj --sign auto --outer").code, 3);
   EXPECT_EQ(compute("ball.obj --sign flood --outer").code, 2);
-  EXPECT_EQ(compute("ball.obj --outer").code, 2);
+  EXPECT_EQ(compute("ball.obj --sign none --outer").code, 2);
 }
 
 // The sheet's height is within 0.1 of z = 0. The grid reaches around the solid.
@@ -167,13 +167,11 @@ TEST_F(Sign, PairsThatContradictEachOther) {
     const char* message;
   };
   for (const auto& [options, message] : {
-           Case{"--invert", "cannot be inverted"},
            Case{"--sign none --invert", "cannot be inverted"},
-           Case{"--strict", "strict"},
            Case{"--sign none --strict", "strict"},
            Case{"--sign parity --rule odd", "winding rule"},
            Case{"--sign flood --rule nonzero", "winding rule"},
-           Case{"--rule odd", "winding rule"},
+           Case{"--sign none --rule odd", "winding rule"},
            Case{"--sign wind", "--sign 'wind': give "},
            Case{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
        }) {

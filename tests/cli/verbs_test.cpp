@@ -98,7 +98,7 @@ TEST_F(Verbs, InfoOfAMesh) {
   EXPECT_EQ(odd["degenerate"], 1);
   EXPECT_EQ(odd["duplicate"], 1);
   EXPECT_EQ(odd["nonmanifold_edges"], 2) << "2-3 has four triangles, 1-2 three";
-  EXPECT_EQ(odd["boundary_edges"], 6) << "2-4, 3-4, 2-6, 1-6, 2-5, 3-5";
+  EXPECT_EQ(odd["open_edges"], 6) << "2-4, 3-4, 2-6, 1-6, 2-5, 3-5";
   EXPECT_EQ(odd["closed"], false);
 }
 
@@ -159,7 +159,7 @@ TEST_F(Verbs, InfoCountsTheBandAsComputeDoes) {
 }
 
 TEST_F(Verbs, Slice) {
-  done(words("compute scene:fly -r 40 -o a.vti"));
+  done(words("compute scene:fly -r 40 --sign none -o a.vti"));
   const Ran ran = done(words("slice a.vti"));
   EXPECT_TRUE(is_png(read_bytes(folder / "a.png")));
   EXPECT_TRUE(ran.says("a.png: ")) << ran.err;
@@ -299,10 +299,10 @@ TEST_F(Verbs, Generate) {
   EXPECT_TRUE(folder.names().empty());
 
   done(words("generate box"));
-  EXPECT_EQ(read_mesh(folder / "box.ply").triangles, scenes::make("box").triangles);
+  EXPECT_EQ(read_mesh(folder / "box.ply").mesh.triangles, scenes::make("box").triangles);
   const Json made = done(words("generate sphere --triangles 5000 -o s.stl --json")).json();
   EXPECT_NEAR(made["mesh"]["triangles"].get<double>(), 5000, 1000);
-  EXPECT_EQ(made["mesh"]["triangles"], read_mesh(folder / "s.stl").triangles.size());
+  EXPECT_EQ(made["mesh"]["triangles"], read_mesh(folder / "s.stl").mesh.triangles.size());
   const Json same = done(words("info scene:sphere:5000 --json")).json();
   EXPECT_EQ(same["mesh"]["triangles"], made["mesh"]["triangles"]);
   // As other verbs name it.
@@ -313,15 +313,16 @@ TEST_F(Verbs, Generate) {
 
 TEST_F(Verbs, ConvertMeshes) {
   done(words("generate fly -o fly.ply"));
-  const auto triangles = read_mesh(folder / "fly.ply").triangles.size();
+  const auto triangles = read_mesh(folder / "fly.ply").mesh.triangles.size();
   for (const std::string name : {"fly.stl", "fly.obj"}) {
     done({"convert", "fly.ply", "-o", name});
-    EXPECT_EQ(read_mesh(folder / name).triangles.size(), triangles) << name;
+    EXPECT_EQ(read_mesh(folder / name).mesh.triangles.size(), triangles) << name;
   }
   done(words("convert fly.ply -o cm.ply --unit cm"));
-  EXPECT_NEAR(bounds(read_mesh(folder / "cm.ply")).max.x, bounds(read_mesh(folder / "fly.ply")).max.x / 100, 1e-12);
+  EXPECT_NEAR(bounds(read_mesh(folder / "cm.ply").mesh).max.x, bounds(read_mesh(folder / "fly.ply").mesh).max.x / 100,
+              1e-12);
   done(words("convert cm.ply -o cm.ply -f --scale 100"));
-  EXPECT_EQ(read_mesh(folder / "cm.ply").triangles.size(), triangles);
+  EXPECT_EQ(read_mesh(folder / "cm.ply").mesh.triangles.size(), triangles);
 }
 
 TEST_F(Verbs, ConvertFields) {

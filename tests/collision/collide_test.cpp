@@ -11,7 +11,7 @@ namespace {
 using namespace standoff::testing;
 
 void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, double margin, unsigned seed) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(seed);
   int hits = 0;
   for (int n = 0; n < poses; ++n) {

@@ -29,7 +29,7 @@ Pairs brute_pairs(const Mesh& a, const Pose& pose_a, const Mesh& b, const Pose& 
 
 void expect_contacts_of_brute_force(const Mesh& a, const Mesh& b, int poses, double half, double margin,
                                     unsigned seed) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(seed);
   std::size_t touching = 0;
   for (int n = 0; n < poses; ++n) {
@@ -92,7 +92,7 @@ Mesh plate(int cells, double side, Height height) {
 
 // A query returns as many contacts as it asks for, if they exist, and `overflow` says whether there are more.
 void expect_so_many_as_wanted(const Mesh& a, const Mesh& b, std::size_t expected) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   const auto all = static_cast<std::int64_t>(expected);
   for (const std::int64_t most : {std::int64_t{1}, std::int64_t{7}, std::int64_t{100}, all - 1, all, all + 1}) {
     if (most < 1) continue;
@@ -150,7 +150,7 @@ TEST(Contacts, AreFoundAmongManyThatNearlyTouch) {
 
 // A floor and a plate on it: the contacts reported come from all over the plate.
 TEST(Contacts, AreSpreadOverTheArea) {
-  const CollisionModel floor(plate(80, 2, [](int, int) { return 0.0; })),
+  const Body floor(plate(80, 2, [](int, int) { return 0.0; })),
       sheet(plate(60, 1, [](int u, int v) { return (u + v) % 2 ? 0.01 : -0.01; }));
   const ContactResult found = contacts(floor, {}, sheet, {}, {.most = 64});
   EXPECT_TRUE(found.overflow);

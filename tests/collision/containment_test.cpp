@@ -26,8 +26,7 @@ Containment opposite(Containment containment) {
 }
 
 // Asks in both orders.
-void expect_containment(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                        Containment expected) {
+void expect_containment(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, Containment expected) {
   const CollisionResult found = collide(a, pose_a, b, pose_b, kContainment);
   EXPECT_EQ(found.containment, expected);
   EXPECT_EQ(found.hit(), expected != Containment::none);
@@ -38,8 +37,8 @@ void expect_containment(const CollisionModel& a, const Pose& pose_a, const Colli
 }
 
 TEST(Containment, ABallInABall) {
-  const CollisionModel large(solid_ball(1, 8)), small(solid_ball(0.2, 4));
-  EXPECT_TRUE(large.closed());
+  const Body large(solid_ball(1, 8)), small(solid_ball(0.2, 4));
+  EXPECT_TRUE(large.has_inside());
   expect_containment(large, {}, small, {}, Containment::b_in_a);
   expect_containment(large, {}, small, moved({0.3, 0.5, -0.4}), Containment::b_in_a);
   expect_containment(large, {}, small, moved({0.9, 0.9, 0.9}), Containment::none);  // in the box, not in the ball
@@ -56,9 +55,9 @@ TEST(Containment, ABallInABall) {
 }
 
 TEST(Containment, ABallInACavityIsFree) {
-  const CollisionModel hollow(joined({solid_ball(2, 8), turned_inside_out(solid_ball(1, 6))}));
-  const CollisionModel small(solid_ball(0.2, 4)), large(solid_ball(3, 8)), core(solid_ball(1.5, 8));
-  EXPECT_TRUE(hollow.closed());
+  const Body hollow(joined({solid_ball(2, 8), turned_inside_out(solid_ball(1, 6))}));
+  const Body small(solid_ball(0.2, 4)), large(solid_ball(3, 8)), core(solid_ball(1.5, 8));
+  EXPECT_TRUE(hollow.has_inside());
   expect_containment(hollow, {}, small, {}, Containment::none);
   expect_containment(hollow, {}, small, moved({0.5, 0, 0}), Containment::none);
   expect_containment(hollow, {}, small, moved({0.8, 0.8, 0.8}), Containment::b_in_a);
@@ -68,7 +67,7 @@ TEST(Containment, ABallInACavityIsFree) {
 }
 
 TEST(Containment, ABallInTheHoleOfATorusIsFree) {
-  const CollisionModel torus(solid_torus(2, 0.5, 40, 16)), ball(solid_ball(0.4, 5));
+  const Body torus(solid_torus(2, 0.5, 40, 16)), ball(solid_ball(0.4, 5));
   expect_containment(torus, {}, ball, {}, Containment::none);
   expect_containment(torus, {}, ball, moved({0, 0, 1}), Containment::none);
   expect_containment(torus, {}, ball, moved({2, 0, 0}), Containment::b_in_a);
@@ -76,56 +75,55 @@ TEST(Containment, ABallInTheHoleOfATorusIsFree) {
 }
 
 TEST(Containment, NestedBodies) {
-  const std::vector<CollisionModel> balls{CollisionModel(solid_ball(3, 6)), CollisionModel(solid_ball(2, 6)),
-                                          CollisionModel(solid_ball(1, 6))};
+  const std::vector<Body> balls{Body(solid_ball(3, 6)), Body(solid_ball(2, 6)), Body(solid_ball(1, 6))};
   for (std::size_t outer = 0; outer < 3; ++outer)
     for (std::size_t inner = outer + 1; inner < 3; ++inner)
       expect_containment(balls[outer], {}, balls[inner], moved({0.01, 0.02, 0.03}), Containment::b_in_a);
   // One body of three shells with the same orientation: winding numbers 1, 2 and 3 are all inside.
-  const CollisionModel shells(joined({solid_ball(3, 6), solid_ball(2, 6), solid_ball(1, 6)}));
-  const CollisionModel small(solid_ball(0.2, 4));
+  const Body shells(joined({solid_ball(3, 6), solid_ball(2, 6), solid_ball(1, 6)}));
+  const Body small(solid_ball(0.2, 4));
   for (const double x : {0.0, 1.5, 2.5}) expect_containment(shells, {}, small, moved({x, 0, 0}), Containment::b_in_a);
 }
 
 TEST(Containment, SomeComponentsInside) {
-  const CollisionModel ball(solid_ball(1, 6));
-  const CollisionModel pair(joined({solid_ball(0.2, 4), solid_ball(0.2, 4, {3, 0, 0})}));
+  const Body ball(solid_ball(1, 6));
+  const Body pair(joined({solid_ball(0.2, 4), solid_ball(0.2, 4, {3, 0, 0})}));
   expect_containment(ball, {}, pair, {}, Containment::partly);
   expect_containment(ball, {}, pair, moved({-3, 0, 0}), Containment::partly);
   expect_containment(ball, {}, pair, moved({-1.5, 0, 0}), Containment::none);
-  const CollisionModel two(joined({solid_ball(0.2, 4), solid_ball(0.2, 4, {0.5, 0, 0})}));
+  const Body two(joined({solid_ball(0.2, 4), solid_ball(0.2, 4, {0.5, 0, 0})}));
   expect_containment(ball, {}, two, {}, Containment::b_in_a);
   // Each has a component inside the other one.
-  const CollisionModel a(joined({solid_ball(1, 6), solid_ball(0.2, 4, {5, 0, 0})}));
-  const CollisionModel b(joined({solid_ball(0.2, 4), solid_ball(1, 6, {5, 0, 0})}));
+  const Body a(joined({solid_ball(1, 6), solid_ball(0.2, 4, {5, 0, 0})}));
+  const Body b(joined({solid_ball(0.2, 4), solid_ball(1, 6, {5, 0, 0})}));
   expect_containment(a, {}, b, {}, Containment::partly);
 }
 
 TEST(Containment, OpenBodiesContainNothingButMayBeContained) {
   Mesh bowl = solid_ball(1, 6);
   bowl.triangles.resize(bowl.triangles.size() - 1);
-  const CollisionModel open(bowl), closed(solid_ball(3, 6)), small(solid_ball(0.2, 4));
-  const CollisionModel sheet(one_triangle({0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}));
-  EXPECT_FALSE(open.closed());
-  EXPECT_FALSE(CollisionModel(ball_mesh(1, 6)).closed()) << "its octants are not oriented alike";
+  const Body open(bowl), closed(solid_ball(3, 6)), small(solid_ball(0.2, 4));
+  const Body sheet(one_triangle({0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}));
+  EXPECT_FALSE(open.has_inside());
+  EXPECT_FALSE(Body(ball_mesh(1, 6)).has_inside()) << "its octants are not oriented alike";
   EXPECT_EQ(code_of([&] { collide(open, {}, sheet, {}, kContainment); }), ErrorCode::input);
   EXPECT_EQ(code_of([&] { collide_all(open, {}, sheet, std::vector<Pose>(2), kContainment); }), ErrorCode::input);
   expect_containment(closed, {}, sheet, moved({1, 1, 1}), Containment::b_in_a);
   expect_containment(closed, {}, open, {}, Containment::b_in_a);
   expect_containment(open, {}, small, {}, Containment::none);
-  expect_containment(CollisionModel(solid_box({1, 1, 1})), {}, sheet, {}, Containment::b_in_a);
+  expect_containment(Body(solid_box({1, 1, 1})), {}, sheet, {}, Containment::b_in_a);
 }
 
 TEST(Containment, ABodyTurnedInsideOutHoldsNothing) {
-  const CollisionModel room(turned_inside_out(solid_box({1, 1, 1}))), ball(solid_ball(0.2, 4));
-  EXPECT_TRUE(room.closed());
+  const Body room(turned_inside_out(solid_box({1, 1, 1}))), ball(solid_ball(0.2, 4));
+  EXPECT_TRUE(room.has_inside());
   expect_containment(room, {}, ball, {}, Containment::none);
   expect_containment(room, {}, ball, moved({3, 0, 0}), Containment::none);
-  expect_containment(room, {}, CollisionModel(solid_ball(3, 6)), {}, Containment::a_in_b);
+  expect_containment(room, {}, Body(solid_ball(3, 6)), {}, Containment::a_in_b);
 }
 
 TEST(Containment, CertifiedModeDoesNotKnowIt) {
-  const CollisionModel ball(solid_ball(1, 4));
+  const Body ball(solid_ball(1, 4));
   EXPECT_EQ(code_of([&] { collide(ball, {}, ball, {}, {.mode = CollideMode::certified, .containment = true}); }),
             ErrorCode::usage);
 }
@@ -148,7 +146,7 @@ std::array<int, 4> expect_as_brute_force(const Mesh& a, const Mesh& b, int poses
   Mesh scaled_a = a, scaled_b = b;
   for (Vec3& v : scaled_a.vertices) v = v * scale;
   for (Vec3& v : scaled_b.vertices) v = v * scale;
-  const CollisionModel model_a(scaled_a), model_b(scaled_b);
+  const Body model_a(scaled_a), model_b(scaled_b);
   Random random(seed);
   std::array<int, 4> counts{};
   for (int n = 0; n < poses; ++n) {
@@ -184,33 +182,32 @@ TEST(Containment, AgreesWithTheWindingNumbersOfAllCorners) {
 
 // Points a unit in the last place inside and outside of the wall, where the field cannot decide.
 TEST(Containment, IsExactAtTheSurface) {
-  const CollisionModel box(solid_box({1, 1, 1}));
+  const Body box(solid_box({1, 1, 1}));
   const double inside = std::nextafter(1.0, 0.0), outside = std::nextafter(1.0, 2.0);
   for (const double x : {inside, outside}) {
     const Containment expected = x < 1 ? Containment::b_in_a : Containment::none;
     for (const double sign : {1.0, -1.0}) {
       const double at = sign * x;
-      expect_containment(box, {}, CollisionModel(one_triangle({at, 0, 0}, {at, 0.3, 0}, {at, 0, 0.3})), {}, expected);
-      expect_containment(box, {}, CollisionModel(one_triangle({0, at, 0}, {0.3, at, 0}, {0, at, 0.3})), {}, expected);
-      expect_containment(box, {}, CollisionModel(one_triangle({0, 0, at}, {0.3, 0, at}, {0, 0.3, at})), {}, expected);
+      expect_containment(box, {}, Body(one_triangle({at, 0, 0}, {at, 0.3, 0}, {at, 0, 0.3})), {}, expected);
+      expect_containment(box, {}, Body(one_triangle({0, at, 0}, {0.3, at, 0}, {0, at, 0.3})), {}, expected);
+      expect_containment(box, {}, Body(one_triangle({0, 0, at}, {0.3, 0, at}, {0, 0.3, at})), {}, expected);
     }
   }
   // Corners and edges of the wall seen from inside: the ray meets them.
-  const CollisionModel dot(one_triangle({inside, inside, inside}, {inside, 0, inside}, {inside, inside, 0}));
+  const Body dot(one_triangle({inside, inside, inside}, {inside, 0, inside}, {inside, inside, 0}));
   expect_containment(box, {}, dot, {}, Containment::b_in_a);
 }
 
 TEST(Containment, OfLoadedBodies) {
   const TempFolder folder;
-  const CollisionModel a(joined({solid_ball(2, 8), turned_inside_out(solid_ball(1, 6))})),
+  const Body a(joined({solid_ball(2, 8), turned_inside_out(solid_ball(1, 6))})),
       b(joined({solid_ball(0.2, 4), solid_ball(0.2, 4, {1.5, 0, 0})})), open(random_soup(3, 20, 1, 0.3));
   a.save(folder.path() / "a.body");
   b.save(folder.path() / "b.body");
   open.save(folder.path() / "open.body");
-  const CollisionModel loaded_a = CollisionModel::load(folder.path() / "a.body"),
-                       loaded_b = CollisionModel::load(folder.path() / "b.body");
-  EXPECT_TRUE(loaded_a.closed());
-  EXPECT_FALSE(CollisionModel::load(folder.path() / "open.body").closed());
+  const Body loaded_a = Body::load(folder.path() / "a.body"), loaded_b = Body::load(folder.path() / "b.body");
+  EXPECT_TRUE(loaded_a.has_inside());
+  EXPECT_FALSE(Body::load(folder.path() / "open.body").has_inside());
   Random random(5);
   for (int n = 0; n < 100; ++n) {
     const Pose pose = random_pose(random, 0.8);
@@ -219,16 +216,14 @@ TEST(Containment, OfLoadedBodies) {
 }
 
 TEST(Containment, BatchesGiveTheSame) {
-  const CollisionModel a(solid_torus(1, 0.45, 24, 10)),
-      b(joined({solid_ball(0.1, 2), solid_ball(0.1, 2, {0.4, 0, 0})}));
+  const Body a(solid_torus(1, 0.45, 24, 10)), b(joined({solid_ball(0.1, 2), solid_ball(0.1, 2, {0.4, 0, 0})}));
   Random random(6);
   std::vector<Pose> poses;
   for (int n = 0; n < 300; ++n) poses.push_back(random_pose(random, 0.8));
   const Pose pose_a = make_pose({1, 2, 3}, 0.3, {0.1, 0.2, 0});
-  const auto on_cpu = collide_all(a, pose_a, b, poses, kContainment, {.threads = 2, .backend = Backend::cpu});
-  BatchReport report;
-  const auto on_device =
-      collide_all(a, pose_a, b, poses, kContainment, {.threads = 2, .backend = testing::kEmulated}, &report);
+  const auto on_cpu = collide_all(a, pose_a, b, poses, kContainment, {.threads = 2, .backend = Backend::cpu}).results;
+  const auto [on_device, report] =
+      collide_all(a, pose_a, b, poses, kContainment, {.threads = 2, .backend = testing::kEmulated});
   EXPECT_EQ(report.on_device + report.undecided + report.overflowed > 0, true);
   ASSERT_EQ(on_cpu.size(), poses.size());
   ASSERT_EQ(on_device.size(), poses.size());

@@ -15,7 +15,7 @@ namespace {
 using namespace standoff::testing;
 
 void expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, unsigned seed) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(seed);
   for (int n = 0; n < poses; ++n) {
     const Pose pose_a = n % 2 ? Pose{} : random_pose(random, half), pose_b = random_pose(random, half);
@@ -59,8 +59,8 @@ TEST(Distance, PointsOfTouchingNeedlesLieOnThem) {
     Mesh a, b;
     add_triangle(a, pair.p[0], pair.p[1], pair.p[2]);
     add_triangle(b, pair.q[0], pair.q[1], pair.q[2]);
-    const ModelOptions coarse{.spacing = 0.5, .execution = {.threads = 1}};
-    const DistanceResult found = distance(CollisionModel(a, coarse), {}, CollisionModel(b, coarse), {});
+    const BodyOptions coarse{.spacing = 0.5, .execution = {.threads = 1}};
+    const DistanceResult found = distance(Body(a, coarse), {}, Body(b, coarse), {});
     touching += found.upper == 0;
     double coordinate = 0;
     for (int k = 0; k < 3; ++k) coordinate = std::max({coordinate, max_norm(pair.p[k]), max_norm(pair.q[k])});
@@ -92,14 +92,14 @@ Mesh plate(int cuts) {
   return mesh;
 }
 TEST(Distance, OfManyEquallyNearPairsIsTheirs) {
-  const CollisionModel cone(fan(5000));
+  const Body cone(fan(5000));
   EXPECT_NEAR(distance(cone, {}, cone, make_pose({1, 0, 0}, std::numbers::pi, {0, 0, -0.1})).upper, 0.1, 1e-15);
-  const CollisionModel flat(plate(60));
+  const Body flat(plate(60));
   for (const double angle : {0.0, 0.3, 2.0})
     EXPECT_NEAR(distance(flat, {}, flat, make_pose({0, 0, 1}, angle, {3, 2, 1e-3})).upper, 1e-3, 1e-15);
   Mesh copies{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
   copies.triangles.assign(5000, {0, 1, 2});
-  const CollisionModel same(copies);
+  const Body same(copies);
   EXPECT_NEAR(distance(same, {}, same, moved({0.2, 0.1, 1})).upper, 1, 1e-15);
 }
 // A gap that a plane proves must not be taken for the distance of bodies that the plane does not touch.
@@ -109,7 +109,7 @@ TEST(Distance, OfNestedSurfacesAgreesWithEveryPair) {
 }
 TEST(Collide, NestedSurfacesTouchWhereAPairDoes) {
   const Mesh outer = ball_mesh(1, 9), inner = ball_mesh(0.97, 9);
-  const CollisionModel a(outer), b(inner);
+  const Body a(outer), b(inner);
   Random random(8);
   int hits = 0;
   for (int n = 0; n < 60; ++n) {

@@ -16,7 +16,7 @@ namespace {
 using namespace standoff::testing;
 
 TEST(EdgeCases, IdenticalBodiesTouch) {
-  const CollisionModel ball(ball_mesh(1, 8));
+  const Body ball(ball_mesh(1, 8));
   EXPECT_TRUE(collide(ball, {}, ball, {}).hit());
   EXPECT_EQ(distance(ball, {}, ball, {}).upper, 0);
   const SweepResult swept = sweep(ball, {}, ball, {{}, moved({5, 0, 0}), {}});
@@ -26,7 +26,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
   // Anywhere, all pairs are found: each triangle with itself and with all its neighbours.
   Random random(1);
   const Mesh small = ball_mesh(1, 3);
-  const CollisionModel of_small(small);
+  const Body of_small(small);
   const Pose pose = random_pose(random, 10);
   EXPECT_TRUE(collide(of_small, pose, of_small, pose).hit());
   std::size_t pairs = 0;
@@ -39,7 +39,7 @@ TEST(EdgeCases, IdenticalBodiesTouch) {
 }
 
 TEST(EdgeCases, NestedBodiesAreFree) {
-  const CollisionModel outer(ball_mesh(2, 6)), inner(ball_mesh(0.5, 4));
+  const Body outer(ball_mesh(2, 6)), inner(ball_mesh(0.5, 4));
   EXPECT_FALSE(collide(outer, {}, inner, {}).hit());
   EXPECT_NEAR(distance(outer, {}, inner, {}).upper, 1.5, 0.15);
   EXPECT_TRUE(sweep(outer, {}, inner, {{}, moved({9, 0, 0}), {}}).hit) << "it cannot get out";
@@ -58,11 +58,11 @@ TEST(EdgeCases, OpenSurfacesStopWhatMeetsThem) {
       add_triangle(sheet, at, at + x, at + x + y);
       add_triangle(sheet, at, at + x + y, at + y);
     }
-  const CollisionModel open(sheet), small(ball_mesh(0.9, 6)), large(ball_mesh(1.5, 6));
+  const Body open(sheet), small(ball_mesh(0.9, 6)), large(ball_mesh(1.5, 6));
   EXPECT_FALSE(collide(open, {}, small, {}).hit()) << "in the hole";
   EXPECT_TRUE(collide(open, {}, large, {}).hit());
   EXPECT_NEAR(distance(open, {}, small, {}).upper, 0.1, 0.02);
-  const auto through = [&](const CollisionModel& ball, Vec3 at) {
+  const auto through = [&](const Body& ball, Vec3 at) {
     return sweep(open, {}, ball, {moved(at + Vec3{0, 0, 5}), moved(at - Vec3{0, 0, 5}), {}}).hit;
   };
   EXPECT_FALSE(through(small, {}));
@@ -73,8 +73,8 @@ TEST(EdgeCases, OpenSurfacesStopWhatMeetsThem) {
 }
 
 TEST(EdgeCases, TouchingExactlyIsAHit) {
-  const CollisionModel a(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
-  const CollisionModel b(one_triangle({0.25, 0.25, 1}, {1, 1, 3}, {-1, 1, 3}));
+  const Body a(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  const Body b(one_triangle({0.25, 0.25, 1}, {1, 1, 3}, {-1, 1, 3}));
   EXPECT_TRUE(collide(a, {}, b, moved({0, 0, -1})).hit()) << "a corner on a face";
   EXPECT_FALSE(collide(a, {}, b, moved({0, 0, std::nextafter(-1.0, 0)})).hit()) << "one rounding above it";
   EXPECT_TRUE(collide(a, {}, a, moved({1, 0, 0})).hit()) << "corner to corner, in a plane";
@@ -83,8 +83,8 @@ TEST(EdgeCases, TouchingExactlyIsAHit) {
 }
 
 TEST(EdgeCases, TouchingExactlyForAllQueries) {
-  const CollisionModel a(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
-  const CollisionModel b(one_triangle({0.25, 0.25, 1}, {1, 1, 3}, {-1, 1, 3}));
+  const Body a(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  const Body b(one_triangle({0.25, 0.25, 1}, {1, 1, 3}, {-1, 1, 3}));
   const Pose touching = moved({0, 0, -1});
   EXPECT_EQ(distance(a, {}, b, touching).upper, 0);
   const ContactResult at = contacts(a, {}, b, touching);
@@ -113,7 +113,7 @@ TEST(EdgeCases, OneTriangleAgainstOneTriangle) {
       return one_triangle(p, q, n % 7 == 0 ? q : n % 3 == 0 ? p + (q - p) * 0.5 : random.in_cube(1));
     };
     const Mesh a = triangle(), b = triangle();
-    const CollisionModel model_a(a), model_b(b);
+    const Body model_a(a), model_b(b);
     const Pose pose = random_pose(random, 0.5), end = random_pose(random, 2);
     const bool expected = brute_touch(a, {}, b, pose);
     EXPECT_EQ(collide(model_a, {}, model_b, pose).hit(), expected);
@@ -132,7 +132,7 @@ TEST(EdgeCases, OneTriangleAgainstOneTriangle) {
 }
 
 TEST(EdgeCases, OneTriangleThatIsAPoint) {
-  const CollisionModel point(one_triangle({0, 0, 0}, {0, 0, 0}, {0, 0, 0})), ball(ball_mesh(1, 4));
+  const Body point(one_triangle({0, 0, 0}, {0, 0, 0}, {0, 0, 0})), ball(ball_mesh(1, 4));
   EXPECT_FALSE(collide(ball, {}, point, {}).hit());
   EXPECT_NEAR(distance(point, moved({0, 0, 3}), ball, {}).upper, 2, 1e-12);
   EXPECT_TRUE(collide(ball, {}, point, moved({0, 0, 1})).hit());
@@ -142,7 +142,7 @@ TEST(EdgeCases, OneTriangleThatIsAPoint) {
 }
 
 TEST(EdgeCases, NoMotionAndHugeMotion) {
-  const CollisionModel wall(one_triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0})), ball(ball_mesh(0.1, 3));
+  const Body wall(one_triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0})), ball(ball_mesh(0.1, 3));
   EXPECT_FALSE(sweep(wall, {}, ball, {moved({0, 0, 0.2}), moved({0, 0, 0.2}), {}}).hit);
   EXPECT_TRUE(sweep(wall, {}, ball, {moved({0, 0, 0.05}), moved({0, 0, 0.05}), {}}).hit);
   for (const double far : {1e3, 1e6, 1e9}) {
@@ -164,14 +164,14 @@ TEST(EdgeCases, NoMotionAndHugeMotion) {
 // Matrices may have errors of a millionth, different ones at both ends: if only the last one makes the bodies touch,
 // this is a hit.
 TEST(EdgeCases, WhatARoundedMatrixMakesTouchAtTheEndIsAHit) {
-  const CollisionModel wall(one_triangle({1000.0002, -1, -1}, {1000.0002, 1, -1}, {1000.0002, 0, 1}));
-  const CollisionModel rod(one_triangle({0, 0, 0}, {1000, 0, 0}, {0, 1, 0}));
+  const Body wall(one_triangle({1000.0002, -1, -1}, {1000.0002, 1, -1}, {1000.0002, 0, 1}));
+  const Body rod(one_triangle({0, 0, 0}, {1000, 0, 0}, {0, 1, 0}));
   for (const double turn : {0.0, 1e-7}) {
     RigidMotion motion;
-    motion.to = make_pose({0, 0, 1}, turn, {});
+    motion.end = make_pose({0, 0, 1}, turn, {});
     EXPECT_FALSE(sweep(wall, {}, rod, motion, {1e-6}).hit);
-    for (double& r : motion.to.rotation) r *= 1 + 4e-7;
-    ASSERT_TRUE(collide(wall, {}, rod, motion.to).hit());
+    for (double& r : motion.end.rotation) r *= 1 + 4e-7;
+    ASSERT_TRUE(collide(wall, {}, rod, motion.end).hit());
     const SweepResult swept = sweep(wall, {}, rod, motion, {1e-6});
     ASSERT_TRUE(swept.hit);
     EXPECT_EQ(swept.time, 1);
@@ -182,14 +182,14 @@ TEST(EdgeCases, WhatARoundedMatrixMakesTouchAtTheEndIsAHit) {
 }
 
 TEST(EdgeCases, PartingBodiesWithinTheToleranceAreFree) {
-  const CollisionModel wall(one_triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0})), ball(ball_mesh(0.5, 4));
+  const Body wall(one_triangle({-1, -1, 0}, {1, -1, 0}, {0, 1, 0})), ball(ball_mesh(0.5, 4));
   const Pose near = moved({0, 0, 0.5 + 5e-5});
   EXPECT_FALSE(sweep(wall, {}, ball, {near, moved({0, 0, 1}), {}}).hit);
   EXPECT_TRUE(sweep(wall, {}, ball, {near, moved({0, 0, 0}), {}}).hit);
 }
 
 TEST(EdgeCases, PosesThatAreNoneAreErrors) {
-  const CollisionModel ball(ball_mesh(1, 2));
+  const Body ball(ball_mesh(1, 2));
   Pose nan, scaled, mirrored, sheared, infinite;
   nan.rotation[4] = std::nan("");
   scaled.rotation = {2, 0, 0, 0, 2, 0, 0, 0, 2};
@@ -231,23 +231,23 @@ TEST(EdgeCases, PosesThatAreNoneAreErrors) {
   EXPECT_EQ(code_of([&] { sweep(ball, {}, ball, {}, {-1}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { sweep(ball, {}, ball, {}, {std::nan("")}); }), ErrorCode::usage);
   EXPECT_EQ(code_of([&] { contacts(ball, {}, ball, {}, {.most = 0}); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { CollisionModel(Mesh{}); }), ErrorCode::input);
+  EXPECT_EQ(code_of([&] { Body(Mesh{}); }), ErrorCode::input);
 }
 
 TEST(EdgeCases, NoPosesAndTooFewThreads) {
-  const CollisionModel ball(ball_mesh(1, 2));
-  EXPECT_TRUE(collide_all(ball, {}, ball, {}, {}).empty());
-  EXPECT_TRUE(distance_all(ball, {}, ball, {}, {}).empty());
-  EXPECT_TRUE(contacts_all(ball, {}, ball, {}, {}).empty());
-  EXPECT_TRUE(sweep_all(ball, {}, ball, {}, {}).empty());
+  const Body ball(ball_mesh(1, 2));
+  EXPECT_TRUE(collide_all(ball, {}, ball, {}, {}).results.empty());
+  EXPECT_TRUE(distance_all(ball, {}, ball, {}, {}).results.empty());
+  EXPECT_TRUE(contacts_all(ball, {}, ball, {}, {}).results.empty());
+  EXPECT_TRUE(sweep_all(ball, {}, ball, {}, {}).results.empty());
   EXPECT_EQ(code_of([&] { collide_all(ball, {}, ball, {}, {}, {.threads = -1}); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.execution = {.threads = -1}}); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = -1}); }), ErrorCode::usage);
-  EXPECT_EQ(code_of([&] { CollisionModel(ball_mesh(1, 2), {.spacing = 1e-9}); }), ErrorCode::limit);
+  EXPECT_EQ(code_of([&] { Body(ball_mesh(1, 2), {.execution = {.threads = -1}}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { Body(ball_mesh(1, 2), {.spacing = -1}); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { Body(ball_mesh(1, 2), {.spacing = 1e-9}); }), ErrorCode::limit);
 }
 
 TEST(EdgeCases, MarginsWiderThanTheBand) {
-  const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
+  const Body a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const Pose pose = moved({6, 0, 0});
   ASSERT_GT(4.4, a.thickness());
   EXPECT_FALSE(collide(a, {}, b, pose, {.margin = 4.49}).hit());
@@ -274,7 +274,7 @@ TEST(EdgeCases, MillionsOfContacts) {
     }
     return mesh;
   };
-  const CollisionModel a(stack(true)), b(stack(false));
+  const Body a(stack(true)), b(stack(false));
   const ContactResult all = contacts(a, {}, b, {}, {.most = 2'000'000});
   EXPECT_EQ(all.contacts.size(), 1200u * 1200u);
   EXPECT_FALSE(all.overflow);
@@ -300,8 +300,8 @@ TEST(Thesis, TakesValuesOfSignedFieldsWithinTheThickness) {
 
 TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
   const Mesh a = ball_mesh(1, 6), b = ball_mesh(0.7, 5);
-  const DistanceField of_a = compute(a, minimum_grid(bounds(a), 0.4, 4), 0.4).field,
-                      of_b = compute(b, minimum_grid(bounds(b), 0.4, 4), 0.4).field;
+  const DistanceField of_a = compute(a, minimum_grid(bounds(a), 0.4, 4), 0.4, {.sign = {SignMethod::none}}).field,
+                      of_b = compute(b, minimum_grid(bounds(b), 0.4, 4), 0.4, {.sign = {SignMethod::none}}).field;
   EXPECT_TRUE(collide_thesis(of_a, {}, of_b, moved({1, 0, 0}), 0.2).hit);
   EXPECT_FALSE(collide_thesis(of_a, {}, of_b, moved({5, 0, 0}), 0.2).hit);
   EXPECT_EQ(thesis_sum(of_a, {}, of_b, moved({50, 0, 0})), std::numeric_limits<double>::infinity());
@@ -312,7 +312,7 @@ TEST(Thesis, FindsWhatIsDeepAndNothingFar) {
     EXPECT_EQ(collide_thesis(of_a, {}, of_b, pose, 0.3).hit, sum < 0.3);
     // The sum errs by the distance from a sample to its neighbour.
     const double off = std::sqrt(3) / 2 * of_a.grid().max_spacing();
-    EXPECT_GE(sum, distance(CollisionModel(a), {}, CollisionModel(b), pose).upper - off - 1e-5);
+    EXPECT_GE(sum, distance(Body(a), {}, Body(b), pose).upper - off - 1e-5);
   }
 }
 

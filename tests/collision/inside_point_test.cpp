@@ -22,8 +22,8 @@ std::vector<Mesh> solids() {
 TEST(FieldSide, IsRightWhereItIsKnown) {
   for (const Mesh& mesh : solids())
     for (const double spacing : {0.3, 0.07, 0.02}) {
-      const CollisionModel model(mesh, {.spacing = spacing, .execution = {.threads = 1}});
-      const ModelData& data = data_of(model);
+      const Body model(mesh, {.spacing = spacing, .execution = {.threads = 1}});
+      const BodyData& data = data_of(model);
       Random random(1);
       int known = 0, inside = 0;
       constexpr int kPoints = 400;
@@ -50,8 +50,8 @@ TEST(FieldSide, OfEverySampleAndCell) {
   const double h = 0.06;
   for (int n = 0; n < 16; ++n) {
     const Vec3 half{0.9 + 0.25 * h * n, 0.95, 0.93};
-    const CollisionModel model(solid_box(half), {.spacing = h, .execution = {.threads = 1}});
-    const ModelData& data = data_of(model);
+    const Body model(solid_box(half), {.spacing = h, .execution = {.threads = 1}});
+    const BodyData& data = data_of(model);
     const Grid grid = model.grid();
     for (const double shift : {0.0, 0.5 * h}) {
       std::int64_t unknown = 0, near = 0;
@@ -75,7 +75,7 @@ TEST(FieldSide, OfEverySampleAndCell) {
 
 TEST(InsideTest, RaysAndFieldsAgreeAtAnyPose) {
   for (const Mesh& mesh : solids()) {
-    const CollisionModel model(mesh, {.execution = {.threads = 1}});
+    const Body model(mesh, {.execution = {.threads = 1}});
     const double radius = data_of(model).radius;
     Random random(2);
     for (int n = 0; n < 30; ++n) {
@@ -83,7 +83,7 @@ TEST(InsideTest, RaysAndFieldsAgreeAtAnyPose) {
       // Take a matrix as far from a rotation as poses may be.
       if (n % 2 == 1)
         for (double& entry : pose.rotation) entry += random.between(-2e-7, 2e-7);
-      const PlacedModel placed(data_of(model), pose);
+      const PlacedBody placed(data_of(model), pose);
       const InsideTest test(placed);
       for (int k = 0; k < 20; ++k) {
         const Vec3 point = apply(pose, data_of(model).middle + random.in_cube(1.1 * radius));
@@ -98,8 +98,8 @@ TEST(InsideTest, RaysAndFieldsAgreeAtAnyPose) {
 // The rays meet corners and edges, or run along faces.
 TEST(InsideTest, RaysThroughCornersAndEdges) {
   const Mesh mesh = joined({solid_box({2, 2, 2}), solid_ball(1, 2, {0, 0, 0}), solid_box({1, 1, 1}, {1, 1, 1})});
-  const CollisionModel model(mesh);
-  const PlacedModel placed(data_of(model), {});
+  const Body model(mesh);
+  const PlacedBody placed(data_of(model), {});
   const InsideTest test(placed);
   for (double x = -2.5; x <= 2.5; x += 0.25)
     for (double y = -2.5; y <= 2.5; y += 0.5)
@@ -114,11 +114,11 @@ TEST(InsideTest, RaysThroughCornersAndEdges) {
 // The matrix shrinks the body by 5e-7. Its transpose, in place of its inverse, moves points by more than that towards
 // the middle, from outside to inside.
 TEST(InsideTest, PosesThatAreNotQuiteRotations) {
-  const CollisionModel model(solid_box({1.003, 0.1, 0.1}), {.spacing = 0.005});
+  const Body model(solid_box({1.003, 0.1, 0.1}), {.spacing = 0.005});
   Pose pose;
   for (const int entry : {0, 4, 8}) pose.rotation[static_cast<std::size_t>(entry)] = 1 - 4.9e-7;
   validate(pose);
-  const PlacedModel placed(data_of(model), pose);
+  const PlacedBody placed(data_of(model), pose);
   const InsideTest test(placed);
   const Grid grid = model.grid();
   for (std::int64_t j = 0; j < grid.size.y; ++j)
@@ -131,12 +131,12 @@ TEST(InsideTest, PosesThatAreNotQuiteRotations) {
 }
 
 TEST(InsideTest, TellsBodiesApart) {
-  const CollisionModel ball(solid_ball(1, 6)), far_ball(solid_ball(1, 6, {1e6, 0, 0}));
-  const PlacedModel at_origin(data_of(ball), {});
+  const Body ball(solid_ball(1, 6)), far_ball(solid_ball(1, 6, {1e6, 0, 0}));
+  const PlacedBody at_origin(data_of(ball), {});
   const InsideTest test(at_origin);
-  EXPECT_TRUE(test.is_apart(PlacedModel(data_of(ball), moved({2.01, 0, 0}))));
-  EXPECT_FALSE(test.is_apart(PlacedModel(data_of(ball), moved({1.99, 0, 0}))));
-  EXPECT_FALSE(test.is_apart(PlacedModel(data_of(far_ball), moved({-1e6 + 1.99, 0, 0}))));
+  EXPECT_TRUE(test.is_apart(PlacedBody(data_of(ball), moved({2.01, 0, 0}))));
+  EXPECT_FALSE(test.is_apart(PlacedBody(data_of(ball), moved({1.99, 0, 0}))));
+  EXPECT_FALSE(test.is_apart(PlacedBody(data_of(far_ball), moved({-1e6 + 1.99, 0, 0}))));
 }
 
 }  // namespace

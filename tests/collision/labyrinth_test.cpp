@@ -32,7 +32,7 @@ struct Labyrinth : ::testing::Test {
   static inline const bool asked =
       std::getenv("STANDOFF_CHECK_POSES") != nullptr || std::getenv("STANDOFF_CHECK_SWEEPS") != nullptr;
   static inline const Mesh walls = scenes::make("labyrinth", asked ? 0 : 30'000), fly = scenes::make("fly");
-  static inline const CollisionModel model{walls}, flier{fly};
+  static inline const Body model{walls}, flier{fly};
   IndependentBody still{walls}, moving{fly};
   Random random{static_cast<unsigned>(from_environment("STANDOFF_CHECK_SEED", 1))};
 
@@ -88,20 +88,20 @@ TEST_F(Labyrinth, SweepsMissNothing) {
     tell("sweeps", n, sweeps);
     SCOPED_TRACE("sweep " + std::to_string(n));
     RigidMotion motion;
-    do motion.from = pose_inside();
-    while (touches_at(motion.from));
+    do motion.start = pose_inside();
+    while (touches_at(motion.start));
     // Paths of length 0.02 to 10, as many short as long ones.
     const double speed = 0.02 * std::pow(500, random.between(0, 1));
     const Vec3 direction = random.in_cube(1) + Vec3{0, 0, 1e-3};
     const bool turns = n % 5 == 0;
     motion.center = flier.bounds().center();
-    motion.to = motion.from;
+    motion.end = motion.start;
     if (turns) {
       const Pose turn = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, 3), {});
-      motion.to.rotation = compose(turn, motion.from).rotation;
+      motion.end.rotation = compose(turn, motion.start).rotation;
     }
-    motion.to.translation =
-        apply(motion.from, motion.center) + direction * (speed / length(direction)) - rotate(motion.to, motion.center);
+    motion.end.translation = apply(motion.start, motion.center) + direction * (speed / length(direction)) -
+                             rotate(motion.end, motion.center);
     const SweepResult swept = sweep(model, {}, flier, motion, {.tolerance = kTolerance});
     hits += swept.hit;
     if (turns) {
@@ -114,13 +114,13 @@ TEST_F(Labyrinth, SweepsMissNothing) {
         ++sampled;
       }
     } else {
-      moving.place(motion.from);
-      const Vec3 translation = motion.to.translation - motion.from.translation;
+      moving.place(motion.start);
+      const Vec3 translation = motion.end.translation - motion.start.translation;
       ASSERT_FALSE(moving.passes_through(still, translation * swept.time, kRounding)) << "before " << swept.time;
       // A check that sees nothing would pass everything: it must see the walls that the whole path passes through.
       if (swept.hit) {
         ++straight_hits;
-        moving.place(motion.from);
+        moving.place(motion.start);
         seen += moving.passes_through(still, translation, kRounding);
       }
     }

@@ -55,20 +55,20 @@ TEST(PairsCorpus, AllQueriesTellTheTruth) {
   ASSERT_GE(cases().size(), 7u);
   for (const Case& it : cases()) {
     SCOPED_TRACE(it.name + ", margin " + std::to_string(it.margin));
-    const CollisionModel a(read_mesh(kFolder + it.name + "_a.obj")), b(read_mesh(kFolder + it.name + "_b.obj"));
+    const Body a(read_mesh(kFolder + it.name + "_a.obj").mesh), b(read_mesh(kFolder + it.name + "_b.obj").mesh);
     const bool hit = it.answer == "hit";
     const CollideOptions within{.margin = it.margin};
     const Execution emulated{.backend = testing::kEmulated};
     EXPECT_EQ(collide(a, it.pose_a, b, it.pose_b, within).hit(), hit);
     EXPECT_EQ(collide(b, it.pose_b, a, it.pose_a, within).hit(), hit) << "with A and B swapped";
-    EXPECT_EQ(collide_all(a, it.pose_a, b, {&it.pose_b, 1}, within, emulated)[0].hit(), hit) << "emulated GPU";
+    EXPECT_EQ(collide_all(a, it.pose_a, b, {&it.pose_b, 1}, within, emulated).results[0].hit(), hit) << "emulated GPU";
     EXPECT_EQ(contacts(a, it.pose_a, b, it.pose_b, {.margin = it.margin}).contacts.empty(), !hit);
     EXPECT_EQ(distance(a, it.pose_a, b, it.pose_b).upper <= it.margin, hit);
     if (it.margin > 0) continue;
     const RigidMotion rest_b{it.pose_b, it.pose_b, {}}, rest_a{it.pose_a, it.pose_a, {}};
     EXPECT_EQ(sweep(a, it.pose_a, b, rest_b, {1e-9}).hit, hit) << "a sweep that goes nowhere";
     EXPECT_EQ(sweep(b, it.pose_b, a, rest_a, {1e-9}).hit, hit) << "with A and B swapped";
-    EXPECT_EQ(sweep_all(a, it.pose_a, b, {&rest_b, 1}, {1e-9}, emulated)[0].hit, hit) << "emulated GPU";
+    EXPECT_EQ(sweep_all(a, it.pose_a, b, {&rest_b, 1}, {1e-9}, emulated).results[0].hit, hit) << "emulated GPU";
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 using namespace standoff::testing;
 
 TEST(Properties, ALargerMarginKeepsHits) {
-  const CollisionModel a(random_soup(1, 100, 1, 0.3)), b(ball_mesh(0.4, 3));
+  const Body a(random_soup(1, 100, 1, 0.3)), b(ball_mesh(0.4, 3));
   Random random(2);
   for (int n = 0; n < 200; ++n) {
     const Pose pose = random_pose(random, 3);
@@ -31,7 +31,7 @@ TEST(Properties, ALargerMarginKeepsHits) {
 }
 
 TEST(Properties, AnswersDoNotDependOnWhereTheWorldIs) {
-  const CollisionModel a(random_soup(1, 100, 1, 0.3)), b(ball_mesh(0.4, 3));
+  const Body a(random_soup(1, 100, 1, 0.3)), b(ball_mesh(0.4, 3));
   Random random(3);
   for (int n = 0; n < 100; ++n) {
     const Pose pose = random_pose(random, 2), world = random_pose(random, 100);
@@ -42,16 +42,16 @@ TEST(Properties, AnswersDoNotDependOnWhereTheWorldIs) {
 }
 
 TEST(Properties, LargerBodiesMeetEarlier) {
-  const CollisionModel a(ball_mesh(1, 4));
+  const Body a(ball_mesh(1, 4));
   Random random(4);
   const Mesh small = ball_mesh(0.2, 3), large = ball_mesh(0.3, 3);
-  const CollisionModel b(small), c(large);
+  const Body b(small), c(large);
   for (int n = 0; n < 200; ++n) {
     RigidMotion motion{random_pose(random, 3), {}, {}};
-    motion.to = motion.from;
-    motion.to.translation = random.in_cube(3);
+    motion.end = motion.start;
+    motion.end.translation = random.in_cube(3);
     const SweepResult of_small = sweep(a, {}, b, motion), of_large = sweep(a, {}, c, motion);
-    const double length_of_way = length(motion.to.translation - motion.from.translation);
+    const double length_of_way = length(motion.end.translation - motion.start.translation);
     // The larger ball holds the smaller one, up to its flat faces and the tolerance.
     EXPECT_TRUE(of_large.hit || !of_small.hit);
     EXPECT_LE(of_large.time * length_of_way, of_small.time * length_of_way + 2e-4);
@@ -60,7 +60,7 @@ TEST(Properties, LargerBodiesMeetEarlier) {
 
 // The order of the bodies does not matter.
 TEST(Properties, BothOrdersGiveTheSameAnswers) {
-  const CollisionModel a(random_soup(1, 150, 1, 0.3)), b(ball_mesh(0.5, 4));
+  const Body a(random_soup(1, 150, 1, 0.3)), b(ball_mesh(0.5, 4));
   Random random(6);
   for (int n = 0; n < 150; ++n) {
     SCOPED_TRACE("pose " + std::to_string(n));
@@ -84,7 +84,7 @@ TEST(Properties, BothOrdersGiveTheSameAnswers) {
 
 // It does not matter which body moves: a translation of b equals the opposite translation of a.
 TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
-  const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
+  const Body a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   constexpr double kTolerance = 1e-6;
   Random random(7);
   int hits = 0;
@@ -109,14 +109,14 @@ TEST(Properties, SweepsOfTheOtherBodyEndAtTheSameTime) {
 }
 
 TEST(Properties, SweepsDoNotDependOnWhereTheWorldIs) {
-  const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
+  const Body a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   constexpr double kTolerance = 1e-6;
   Random random(8);
   for (int n = 0; n < 150; ++n) {
     const Pose world = random_pose(random, 50);
     RigidMotion motion{random_pose(random, 3), random_pose(random, 3), random.in_cube(0.3)}, moved_motion = motion;
-    if (collide(a, {}, b, motion.from, {.margin = 10 * kTolerance}).hit()) continue;
-    moved_motion.from = compose(world, motion.from), moved_motion.to = compose(world, motion.to);
+    if (collide(a, {}, b, motion.start, {.margin = 10 * kTolerance}).hit()) continue;
+    moved_motion.start = compose(world, motion.start), moved_motion.end = compose(world, motion.end);
     const SweepResult here = sweep(a, {}, b, motion, {kTolerance}),
                       there = sweep(a, world, b, moved_motion, {kTolerance});
     if (here.hit == there.hit && std::abs(here.time - there.time) < 1e-6) continue;
@@ -126,11 +126,11 @@ TEST(Properties, SweepsDoNotDependOnWhereTheWorldIs) {
 }
 
 TEST(Properties, AWiderToleranceEndsASweepNoLater) {
-  const CollisionModel a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
+  const Body a(random_soup(1, 60, 1, 0.3)), b(ball_mesh(0.3, 3));
   Random random(9);
   for (int n = 0; n < 150; ++n) {
     const RigidMotion motion{random_pose(random, 3), random_pose(random, 3), {}};
-    if (collide(a, {}, b, motion.from, {.margin = 0.5}).hit()) continue;
+    if (collide(a, {}, b, motion.start, {.margin = 0.5}).hit()) continue;
     double before = 2;
     for (const double tolerance : {1e-6, 1e-4, 1e-2, 0.3}) {
       const SweepResult swept = sweep(a, {}, b, motion, {tolerance});
@@ -143,7 +143,7 @@ TEST(Properties, AWiderToleranceEndsASweepNoLater) {
 }
 
 TEST(Properties, AWiderMarginKeepsContacts) {
-  const CollisionModel a(random_soup(1, 60, 1, 0.4)), b(ball_mesh(0.4, 2));
+  const Body a(random_soup(1, 60, 1, 0.4)), b(ball_mesh(0.4, 2));
   Random random(10);
   for (int n = 0; n < 60; ++n) {
     const Pose pose = random_pose(random, 1.5);

@@ -23,7 +23,7 @@ struct Tally {
 // Poses within `half` of `at`, some of them so that the bodies just meet.
 Tally expect_as_brute_force(const Mesh& a, const Mesh& b, int poses, double half, Vec3 at, unsigned seed,
                             bool rounded = false) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(seed);
   Tally tally;
   const auto round = [&](Pose pose) {
@@ -77,7 +77,7 @@ TEST(Scales, MeshesFarFromTheirOwnOrigin) {
     SCOPED_TRACE(far);
     const Vec3 at{far, far / 3, -far};
     const Mesh a = scaled(ball_mesh(1, 3), {1, 1, 1}, at), b = scaled(random_soup(3, 30, 0.7, 0.4), {1, 1, 1}, at);
-    const CollisionModel model_a(a), model_b(b);
+    const Body model_a(a), model_b(b);
     Random random(2);
     int hits = 0;
     for (int n = 0; n < 100; ++n) {
@@ -105,7 +105,7 @@ TEST(Scales, TinyAndHuge) {
 
 TEST(Scales, ATinyBodyAtAHugeOne) {
   const Mesh huge = scaled(ball_mesh(1, 6), {1e6, 1e6, 1e6}), tiny = scaled(ball_mesh(1, 2), {1e-3, 1e-3, 1e-3});
-  const CollisionModel of_huge(huge), of_tiny(tiny);
+  const Body of_huge(huge), of_tiny(tiny);
   Random random(4);
   int hits = 0;
   for (int n = 0; n < 100; ++n) {
@@ -143,7 +143,7 @@ TEST(Scales, RotationsOfSinglePrecision) {
 
 TEST(Scales, SweepsFarAwayAndOfSinglePrecision) {
   const Mesh a = ball_mesh(1, 3), b = random_soup(3, 15, 0.5, 0.4);
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(9);
   for (const double far : {0.0, 1e6, 1e9}) {
     const Vec3 at{far, -far / 3, far / 7};

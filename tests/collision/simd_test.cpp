@@ -22,7 +22,7 @@ class SimdOfQueries : public ::testing::TestWithParam<Simd> {
     for (std::size_t n = 0; n + 1 < poses_.size(); ++n) motions_.push_back({poses_[n], poses_[n + 1], {0.1, 0.2, 0.3}});
   }
   const Execution with_{.simd = GetParam()};
-  const CollisionModel a_{random_soup(1, 400, 1, 0.3)}, b_{ball_mesh(0.4, 3)};
+  const Body a_{random_soup(1, 400, 1, 0.3)}, b_{ball_mesh(0.4, 3)};
   std::vector<Pose> poses_;
   std::vector<RigidMotion> motions_;
 };
@@ -32,11 +32,11 @@ TEST_P(SimdOfQueries, GivesTheSameBits) {
   if (!processor_has(GetParam())) GTEST_SKIP() << "this processor lacks the set";
   const CollideOptions near{.margin = 0.1}, certified{.margin = 0.1, .mode = CollideMode::certified};
   const ContactOptions few{.most = 5, .margin = 0.05};
-  const auto hits = collide_all(a_, {}, b_, poses_, near, with_);
-  const auto verdicts = collide_all(a_, {}, b_, poses_, certified, with_);
-  const auto distances = distance_all(a_, {}, b_, poses_, {}, with_);
-  const auto contact = contacts_all(a_, {}, b_, poses_, few, with_);
-  const auto swept = sweep_all(a_, {}, b_, motions_, {}, with_);
+  const auto hits = collide_all(a_, {}, b_, poses_, near, with_).results;
+  const auto verdicts = collide_all(a_, {}, b_, poses_, certified, with_).results;
+  const auto distances = distance_all(a_, {}, b_, poses_, {}, with_).results;
+  const auto contact = contacts_all(a_, {}, b_, poses_, few, with_).results;
+  const auto swept = sweep_all(a_, {}, b_, motions_, {}, with_).results;
   for (std::size_t n = 0; n < poses_.size(); ++n) {
     SCOPED_TRACE("pose " + std::to_string(n));
     expect_same(hits[n], collide(a_, {}, b_, poses_[n], near));
@@ -75,7 +75,7 @@ TEST(Simd, QueriesUseTheKernelsOfTheirPair) {
   collision::Kernels counting = collision::best_kernels();
   counting.gaps = counted_gaps;
   counting.gaps_at = counted_gaps_at;
-  const CollisionModel a(ball_mesh(1, 6)), b(ball_mesh(0.5, 6));
+  const Body a(ball_mesh(1, 6)), b(ball_mesh(0.5, 6));
   const Pose near = moved({1.6, 0, 0});
   const collision::QueryPair pair(a, {}, b, near, counting);
   const auto used = [](auto query) {

@@ -18,17 +18,17 @@ struct SweepCase {
 SweepCase random_case(Random& random, double half, double translation, double turn, bool at_rest_at_origin) {
   SweepCase c;
   if (!at_rest_at_origin) c.pose_a = random_pose(random, half);
-  c.motion.from = random_pose(random, half);
+  c.motion.start = random_pose(random, half);
   c.motion.center = random.in_cube(0.5);
   const Pose delta = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, turn), {});
-  c.motion.to.rotation = compose(delta, c.motion.from).rotation;
-  c.motion.to.translation = c.motion.from.translation + random.in_cube(translation);
+  c.motion.end.rotation = compose(delta, c.motion.start).rotation;
+  c.motion.end.translation = c.motion.start.translation + random.in_cube(translation);
   return c;
 }
 
 void expect_sound(const Mesh& a, const Mesh& b, int cases, double half, double translation, double turn,
                   unsigned seed) {
-  const CollisionModel model_a(a), model_b(b);
+  const Body model_a(a), model_b(b);
   Random random(seed);
   constexpr double kTolerance = 1e-3;
   int hits = 0, frees = 0;
@@ -75,9 +75,9 @@ TEST(Sweep, TheLargerBodyMoves) {
 TEST(Sweep, AStraightMotionDoesNotDependOnTheCenter) {
   Mesh wall;
   add_triangle(wall, {0, -9, -9}, {0, 9, -9}, {0, 0, 9});
-  const CollisionModel resting(wall), box(ball_mesh(0.5, 2));
+  const Body resting(wall), box(ball_mesh(0.5, 2));
   RigidMotion motion;
-  motion.from.translation = {-10, 0, 0}, motion.to.translation = {10, 0, 0};
+  motion.start.translation = {-10, 0, 0}, motion.end.translation = {10, 0, 0};
   const SweepResult near = sweep(resting, {}, box, motion);
   ASSERT_TRUE(near.hit);
   motion.center = {1e15, -1e15, 3};
@@ -94,10 +94,10 @@ TEST(Sweep, ATriangleTurnsAboutTheCentreOfItsSphere) {
   const Mesh blade = one_triangle({-1, -0.1, 0}, {1, -0.1, 0}, {0, 0.1, 0});
   Mesh posts = one_triangle({-0.05, 0.6, -0.1}, {0.05, 0.6, -0.1}, {0, 0.62, 0.1});
   add_triangle(posts, {3, 3, 3}, {3.1, 3, 3}, {3, 3.1, 3});  // makes them the larger body
-  const CollisionModel turning(blade), resting(posts);
+  const Body turning(blade), resting(posts);
   RigidMotion motion;
   for (const double angle_rad : {3.0, -3.0}) {
-    motion.to = make_pose({0, 0, 1}, angle_rad, {});
+    motion.end = make_pose({0, 0, 1}, angle_rad, {});
     const SweepResult blade_turns = sweep(resting, {}, turning, motion),
                       posts_turn = sweep(turning, {}, resting, motion);
     for (const SweepResult& swept : {blade_turns, posts_turn}) {
@@ -116,23 +116,23 @@ TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
     SCOPED_TRACE(size);
     Mesh wall;
     add_triangle(wall, {0, -9 * size, -9 * size}, {0, 9 * size, -9 * size}, {0, 0, 9 * size});
-    const CollisionModel resting(wall), box(ball_mesh(0.5 * size, 2));
+    const Body resting(wall), box(ball_mesh(0.5 * size, 2));
     const double tolerance = automatic_tolerance(resting, box);
     EXPECT_GE(tolerance, 0x1p-16 * size);
     EXPECT_LE(tolerance, 0x1p-14 * size);
     EXPECT_EQ(tolerance, automatic_tolerance(box, resting));
     RigidMotion motion;
-    motion.from.translation = {-10 * size, 0, 0}, motion.to.translation = {10 * size, 0, 0};
+    motion.start.translation = {-10 * size, 0, 0}, motion.end.translation = {10 * size, 0, 0};
     const SweepResult by_default = sweep(resting, {}, box, motion);
     ASSERT_TRUE(by_default.hit);
     EXPECT_EQ(by_default.time, sweep(resting, {}, box, motion, {tolerance}).time);
     EXPECT_NEAR(by_default.time, 0.475, 0.03);
     // Pass the wall at a distance of the body's own size.
-    motion.from.translation = motion.to.translation = {1.5 * size, 0, 0};
-    motion.to.translation.y = size;
+    motion.start.translation = motion.end.translation = {1.5 * size, 0, 0};
+    motion.end.translation.y = size;
     EXPECT_FALSE(sweep(resting, {}, box, motion).hit);
   }
-  const CollisionModel point(one_triangle({1, 1, 1}, {1, 1, 1}, {1, 1, 1})), ball(ball_mesh(8, 2));
+  const Body point(one_triangle({1, 1, 1}, {1, 1, 1}, {1, 1, 1})), ball(ball_mesh(8, 2));
   EXPECT_GT(automatic_tolerance(point, point), 0);
   EXPECT_GE(automatic_tolerance(point, ball), 0x1p-36);
   EXPECT_LE(automatic_tolerance(point, ball), 0x1p-35);
@@ -142,8 +142,7 @@ TEST(Sweep, TheDefaultToleranceHasTheScaleOfTheBodies) {
 // smaller distance. The exact path does not touch it, but rounded poses on the path do.
 TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
   const Vec3 far{-301108018.0963652, -18188532272.843033, 11690617903.502226}, x{1, 0, 0};
-  const CollisionModel still(one_triangle({0, -1, -1}, {0, 1, 1}, {0, 1, -1})),
-      needle(one_triangle(far - x, far + x, far + x));
+  const Body still(one_triangle({0, -1, -1}, {0, 1, 1}, {0, 1, -1})), needle(one_triangle(far - x, far + x, far + x));
   int free = 0;
   for (int n = 0; n < 200; ++n) {
     const double beside = 1e-7 * std::pow(1.08, n);
@@ -161,7 +160,7 @@ TEST(Sweep, WhatRoundsThePosesIsKeptBetweenBodies) {
 TEST(Sweep, AHandThatStartsAlongAWallMeetsIt) {
   Mesh wall;
   add_triangle(wall, {0.9, -9, -5}, {0.9, 9, -5}, {0.9, 0, 9});
-  const CollisionModel resting(wall), tip(one_triangle({1, 0, 0}, {1.1, 0, 0.05}, {1.1, 0, -0.05}));
+  const Body resting(wall), tip(one_triangle({1, 0, 0}, {1.1, 0, 0.05}, {1.1, 0, -0.05}));
   constexpr double kTolerance = 1e-6;
   for (const double turn : {0.5, 1.5, 3.1})
     for (const bool wall_turns : {false, true}) {
@@ -191,12 +190,12 @@ TEST(Sweep, AShaftTurnsInItsSleeve) {
       }
     return mesh;
   };
-  const CollisionModel shaft(tube(1));
+  const Body shaft(tube(1));
   constexpr double kTolerance = 1e-5, kTurn = 3;
   const double sixth = std::numbers::pi / 6;
   for (const double apothem : {0.9, 0.99, 0.9999, 1.0001, 1.1}) {
     SCOPED_TRACE(apothem);
-    const CollisionModel sleeve(tube(apothem / std::cos(sixth)));
+    const Body sleeve(tube(apothem / std::cos(sixth)));
     for (const Vec3 axis : {Vec3{0, 0, 1}, Vec3{0, 0, -1}})
       for (const bool sleeve_turns : {false, true}) {
         Random random(1);

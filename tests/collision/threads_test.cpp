@@ -15,7 +15,7 @@ namespace {
 using namespace standoff::testing;
 
 struct Bodies {
-  CollisionModel a, b{ball_mesh(0.4, 3)};
+  Body a, b{ball_mesh(0.4, 3)};
   std::vector<Pose> poses;
   std::vector<RigidMotion> motions;
 
@@ -28,15 +28,15 @@ struct Bodies {
 
 TEST(Threads, DoNotShowInTheAnswers) {
   const Bodies one(1), four(4);
-  const auto hits = collide_all(one.a, {}, one.b, one.poses, {}, {.threads = 1});
-  const auto found = distance_all(one.a, {}, one.b, one.poses, {}, {.threads = 1});
-  const auto touching = contacts_all(one.a, {}, one.b, one.poses, {.most = 5}, {.threads = 1});
-  const auto swept = sweep_all(one.a, {}, one.b, one.motions, {}, {.threads = 1});
+  const auto hits = collide_all(one.a, {}, one.b, one.poses, {}, {.threads = 1}).results;
+  const auto found = distance_all(one.a, {}, one.b, one.poses, {}, {.threads = 1}).results;
+  const auto touching = contacts_all(one.a, {}, one.b, one.poses, {.most = 5}, {.threads = 1}).results;
+  const auto swept = sweep_all(one.a, {}, one.b, one.motions, {}, {.threads = 1}).results;
   for (const int threads : {0, 2, 4}) {
-    expect_same(hits, collide_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}));
-    expect_same(found, distance_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}));
-    expect_same(touching, contacts_all(four.a, {}, four.b, four.poses, {.most = 5}, {.threads = threads}));
-    expect_same(swept, sweep_all(four.a, {}, four.b, four.motions, {}, {.threads = threads}));
+    expect_same(hits, collide_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}).results);
+    expect_same(found, distance_all(four.a, {}, four.b, four.poses, {}, {.threads = threads}).results);
+    expect_same(touching, contacts_all(four.a, {}, four.b, four.poses, {.most = 5}, {.threads = threads}).results);
+    expect_same(swept, sweep_all(four.a, {}, four.b, four.motions, {}, {.threads = threads}).results);
   }
   // Single queries give the same too.
   for (std::size_t n = 0; n < one.poses.size(); n += 7) {
@@ -55,14 +55,14 @@ TEST(Threads, MayShareABody) {
     std::vector<DistanceResult> distances;
     std::vector<ContactResult> contacts;
   };
-  const Answers expected{collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, {.threads = 1}),
-                         distance_all(bodies.a, {}, bodies.b, bodies.poses, near, {.threads = 1}),
-                         contacts_all(bodies.a, {}, bodies.b, bodies.poses, few, {.threads = 1})};
+  const Answers expected{collide_all(bodies.a, {}, bodies.b, bodies.poses, {}, {.threads = 1}).results,
+                         distance_all(bodies.a, {}, bodies.b, bodies.poses, near, {.threads = 1}).results,
+                         contacts_all(bodies.a, {}, bodies.b, bodies.poses, few, {.threads = 1}).results};
   std::vector<Answers> found(4);
   std::vector<std::thread> threads;
   for (auto& mine : found)
     threads.emplace_back([&, answers = &mine] {
-      const CollisionModel a = bodies.a, b = bodies.b;  // copies share
+      const Body a = bodies.a, b = bodies.b;  // copies share
       for (const Pose& pose : bodies.poses) {
         answers->hits.push_back(collide(a, {}, b, pose));
         answers->distances.push_back(distance(a, {}, b, pose, near));

@@ -37,32 +37,33 @@ bool says(const Error& error, std::int64_t number) {
 TEST(ErrorDetails, NameTheTriangle) {
   Mesh mesh = kErrorMesh;
   mesh.triangles.push_back({0, 1, 9});
-  for (const auto& call : {std::function<void()>([&] { validate(mesh); }), {[&] { compute(mesh, kErrorGrid, 1); }}}) {
+  for (const auto& call : {std::function<void()>([&] { validate(mesh); }),
+                           {[&] { compute(mesh, kErrorGrid, 1, {.sign = {SignMethod::none}}); }}}) {
     const Error error = error_of(call);
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.details().triangle, 1);
     EXPECT_TRUE(says(error, 1));
   }
   mesh.triangles.back() = {0, 1, 3};
-  const Error far = error_of([&] { compute(mesh, kErrorGrid, 1); });
+  const Error far = error_of([&] { compute(mesh, kErrorGrid, 1, {.sign = {SignMethod::none}}); });
   EXPECT_EQ(far.code(), ErrorCode::limit);
   EXPECT_EQ(far.details().triangle, 1) << far.what();
   EXPECT_FALSE(far.details().bytes_needed);
 }
 
 TEST(ErrorDetails, TellTheBytesOfAComputation) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.memory_limit = 1000;
   const Error error = error_of([&] { compute(kErrorMesh, kErrorGrid, 1, options); });
   EXPECT_EQ(error.code(), ErrorCode::limit);
   EXPECT_EQ(error.details().bytes_limit, 1000);
-  EXPECT_EQ(error.details().bytes_needed, memory_needed(kErrorMesh, kErrorGrid, 1, options));
+  EXPECT_EQ(error.details().bytes_needed, estimate(kErrorMesh, kErrorGrid, 1, options).whole);
 }
 
 TEST(ErrorDetails, TellTheBytesAndTheFileOfAField) {
   const TempFolder folder;
   const auto path = folder / "a.npz";
-  write_field(path, compute(kErrorMesh, kErrorGrid, 1).field);
+  write_field(path, compute(kErrorMesh, kErrorGrid, 1, {.sign = {SignMethod::none}}).field);
   const Error error = error_of([&] { read_field(path, {.memory_limit = 1000}); });
   EXPECT_EQ(error.code(), ErrorCode::limit);
   EXPECT_EQ(error.details().bytes_limit, 1000);

@@ -29,19 +29,20 @@ void expect_covers(const Grid& grid, const Box& box) {
 }
 
 TEST(Grid, FitSamplesPutsThemOnTheLongestSide) {
-  const Grid grid = fit_samples(kBox, 41, kNone);
+  const Grid grid = fit_resolution(kBox, 41, kNone);
   EXPECT_EQ(grid.size, (Size3{41, 11, 21}));
   EXPECT_DOUBLE_EQ(grid.spacing.x, 0.1);
   expect_covers(grid, kBox);
-  EXPECT_EQ(fit_samples(kBox).size.x, kDefaultSamples);
-  expect_covers(fit_samples(kBox, 37, by_length(0.5)), kBox.grown(0.5));
-  EXPECT_EQ(fit_samples({{1, 2, 3}, {1, 2, 3}}, 10, kNone), (Grid{{1, 1, 1}, {1, 2, 3}, {1, 1, 1}}));
+  EXPECT_EQ(fit_resolution(kBox).size.x, kDefaultResolution);
+  expect_covers(fit_resolution(kBox, 37, by_length(0.5)), kBox.grown(0.5));
+  EXPECT_EQ(fit_resolution({{1, 2, 3}, {1, 2, 3}}, 10, kNone), (Grid{{1, 1, 1}, {1, 2, 3}, {1, 1, 1}}));
 }
 
 TEST(Grid, FittingLeavesRoomForTheBand) {
-  for (const double thickness : {0.3, 1.0, 5.0}) {
-    const Box band = kBox.grown(thickness);
-    expect_covers(fit_samples(kBox, 41, thickness), band);
+  for (const double thickness : {0.3, 0.4, 1.0, 5.0}) {
+    // A tenth of the longest side at the most.
+    const Box band = kBox.grown(std::min(thickness, 0.4));
+    expect_covers(fit_resolution(kBox, 41, thickness), band);
     expect_covers(fit_spacing(kBox, {0.1, 0.1, 0.1}, thickness), band);
     EXPECT_EQ(fit_size(kBox, {41, 21, 31}, thickness), fit_size(band, {41, 21, 31}, kNone));
   }
@@ -49,7 +50,7 @@ TEST(Grid, FittingLeavesRoomForTheBand) {
 
 TEST(Grid, FittingLeavesTwoSamplesAtLeast) {
   for (const double thickness : {1e-6, kInfinite}) {
-    const Grid grid = fit_samples(kBox, 41, thickness);
+    const Grid grid = fit_resolution(kBox, 41, thickness);
     EXPECT_EQ(grid.size.x, 41);
     EXPECT_NEAR(grid.spacing.x, 4.0 / 36, 1e-12) << "two cells of 40 on each side";
     expect_covers(grid, kBox.grown(2 * grid.spacing.x));
@@ -57,20 +58,23 @@ TEST(Grid, FittingLeavesTwoSamplesAtLeast) {
                   {kBox.min - Vec3{0.2, 0.4, 0.6}, kBox.max + Vec3{0.2, 0.4, 0.6}});
     EXPECT_NEAR(fit_size(kBox, {41, 21, 31}, thickness).spacing.y, 1.0 / 16, 1e-12);
   }
-  EXPECT_EQ(fit_samples(kBox, 41), fit_samples(kBox, 41, kInfinite)) << "a full field, unless told otherwise";
+  EXPECT_EQ(fit_resolution(kBox, 41), fit_resolution(kBox, 41, kInfinite)) << "a full field, unless told otherwise";
   // Small grids have fewer to give.
-  EXPECT_NEAR(fit_samples(kBox, 3).spacing.x, 4, 1e-12);
-  EXPECT_EQ(fit_samples(kBox, 2).size.x, 2);
-  EXPECT_EQ(fit_samples({{1, 2, 3}, {1, 2, 3}}, 10).size, (Size3{10, 10, 10})) << "a point";
+  EXPECT_NEAR(fit_resolution(kBox, 3).spacing.x, 4, 1e-12);
+  EXPECT_EQ(fit_resolution(kBox, 2).size.x, 2);
+  EXPECT_EQ(fit_resolution({{1, 2, 3}, {1, 2, 3}}, 10).size, (Size3{10, 10, 10})) << "a point";
 }
 
 TEST(Grid, PaddingInSamplesAndAsAShare) {
-  const Grid grid = fit_samples(kBox, 41, {.samples = 5});
+  EXPECT_EQ(fit_resolution(kBox, 41, padding_for_samples(3)), fit_resolution(kBox, 41, {.samples = 3}));
+  EXPECT_EQ(fit_resolution(kBox, 41, padding_for_samples(9)), fit_resolution(kBox, 41, by_length(0.4)));
+  EXPECT_EQ(fit_resolution(kBox, 41, padding_for_samples(kInfinite)), fit_resolution(kBox, 41, kInfinite));
+  const Grid grid = fit_resolution(kBox, 41, {.samples = 5});
   EXPECT_NEAR(grid.spacing.x, 4.0 / 30, 1e-12);
-  expect_covers(fit_samples(kBox, 41, {.length = 3, .most_share = 0.25}), kBox.grown(1));
+  expect_covers(fit_resolution(kBox, 41, {.length = 3, .most_share = 0.25}), kBox.grown(1));
   expect_covers(fit_spacing(kBox, {0.1, 0.2, 0.3}, {.samples = 5}),
                 {kBox.min - Vec3{0.5, 1, 1.5}, kBox.max + Vec3{0.5, 1, 1.5}});
-  EXPECT_EQ(fit_samples(kBox, 41, {.length = 0.5, .samples = 5}), fit_samples(kBox, 41, {.samples = 5}));
+  EXPECT_EQ(fit_resolution(kBox, 41, {.length = 0.5, .samples = 5}), fit_resolution(kBox, 41, {.samples = 5}));
 }
 
 TEST(Grid, FitSpacingCoversTheBox) {
@@ -103,15 +107,15 @@ TEST(Grid, MinimumGridIsTheThesiss) {
 
 TEST(Grid, HelpersSayWhatIsWrong) {
   const auto usage = ErrorCode::usage;
-  expect_error([] { fit_samples(kBox, 1); }, usage, "at least 2 samples");
-  expect_error([] { fit_samples(Box{}, 9); }, usage, "empty");
-  expect_error([] { fit_samples({{0, 0, 0}, {kInfinite, 1, 1}}, 9); }, usage, "too large");
+  expect_error([] { fit_resolution(kBox, 1); }, usage, "at least 2 samples");
+  expect_error([] { fit_resolution(Box{}, 9); }, usage, "empty");
+  expect_error([] { fit_resolution({{0, 0, 0}, {kInfinite, 1, 1}}, 9); }, usage, "too large");
   for (const double x : {-1.0, kNaN, kInfinite})
     for (const Padding& padding :
          {by_length(x), Padding{.samples = x}, Padding{.least_samples = x}, Padding{.samples = 4, .least_samples = 0}})
-      expect_error([&] { fit_samples(kBox, 9, padding); }, usage, "padding");
-  expect_error([&] { fit_samples(kBox, 9, {.most_share = kNaN}); }, usage, "padding");
-  for (const double t : {0.0, -1.0, kNaN}) expect_error([&] { fit_samples(kBox, 9, t); }, usage, "thickness");
+      expect_error([&] { fit_resolution(kBox, 9, padding); }, usage, "padding");
+  expect_error([&] { fit_resolution(kBox, 9, {.most_share = kNaN}); }, usage, "padding");
+  for (const double t : {0.0, -1.0, kNaN}) expect_error([&] { fit_resolution(kBox, 9, t); }, usage, "thickness");
   for (const double h : {0.0, -1.0, kNaN, kInfinite})
     expect_error([&] { fit_spacing(kBox, {1, h, 1}); }, usage, "spacing");
   expect_error([] { fit_spacing(kBox, {1e-300, 1, 1}); }, ErrorCode::limit, "larger spacing");

@@ -21,12 +21,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // none of which is exactly as far as the thickness.
 TEST(Inspect, TheBandOfAField) {
   const Mesh mesh = scenes::make("sphere", 500);
-  const Grid grid = fit_samples(bounds(mesh), 37);
-  ComputeOptions options;
+  const Grid grid = fit_resolution(bounds(mesh), 37);
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   const double thickness = 2.5 * grid.spacing.x;
   const ComputeResult plain = compute(mesh, grid, thickness, options);
-  options.nearest_triangle = true;
+  options.nearest = true;
   const ComputeResult nearest = compute(mesh, grid, thickness, options);
   for (const ComputeResult* computed : {&plain, &nearest}) {
     const FieldSummary found = inspect(computed->field);

@@ -160,7 +160,7 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
     for (const Method method : {Method::tiles, Method::thesis})
       for (const SkipRule::Kind kind : {SkipRule::Kind::none, SkipRule::Kind::neighbour, SkipRule::Kind::exact})
         for (const Backend backend : {Backend::cpu, testing::kEmulated}) {
-          ComputeOptions options;
+          ComputeOptions options{.sign = {SignMethod::none}};
           options.method = method;
           options.skip.kind = kind;
           options.execution.backend = backend;
@@ -172,15 +172,15 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
 
 TEST(MeshView, BodiesAndPointsAnswerTheSame) {
   const Mesh mesh = float_mesh(5), other = testing::random_soup(6, 20, 1, 0.5);
-  const CollisionModel expected(mesh), probe(other);
+  const Body expected(mesh), probe(other);
   const std::vector<Vec3> points{{1, 2, 3}, {-4, 0, 1}, {0, 0, 0}};
   const Held<float, std::uint64_t> held(mesh, 12, 0, false);
-  const CollisionModel body(held.view);
+  const Body body(held.view);
   EXPECT_EQ(content_hash(body.mesh()), content_hash(mesh));
   const DistanceResult a = distance(expected, {}, probe, {}), b = distance(body, {}, probe, {});
   EXPECT_EQ(a.upper, b.upper);
   EXPECT_EQ(a.triangle_a, b.triangle_a);
-  EXPECT_TRUE(verify(compute(mesh, kViewGrid, 1).field, held.view).ok());
+  EXPECT_TRUE(verify(compute(mesh, kViewGrid, 1, {.sign = {SignMethod::none}}).field, held.view).ok());
   for (std::size_t n = 0; n < points.size(); ++n)
     EXPECT_EQ(closest_points(held.view, points)[n].point, closest_points(mesh, points)[n].point);
 }
@@ -194,7 +194,7 @@ void expect_index_refused(Index bad, const std::string& told) {
   for (int way = 0; way < 3; ++way) try {
       if (way == 0) validate(view);
       if (way == 1) static_cast<void>(bounds(view));
-      if (way == 2) compute(view, kViewGrid, 1);
+      if (way == 2) compute(view, kViewGrid, 1, {.sign = {SignMethod::none}});
       ADD_FAILURE() << "no error for " << told;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
@@ -203,7 +203,7 @@ void expect_index_refused(Index bad, const std::string& told) {
       EXPECT_EQ(error.details().triangle, 1);
     }
   static_cast<void>(content_hash(view));
-  expect_error([&] { CollisionModel{view}; }, ErrorCode::input, told);
+  expect_error([&] { Body{view}; }, ErrorCode::input, told);
   expect_error([&] { closest_points(view, vertices); }, ErrorCode::input, told);
 }
 

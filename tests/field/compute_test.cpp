@@ -41,16 +41,17 @@ TEST(Compute, MeshErrorsNameTheTriangle) {
 TEST(Compute, OptionErrors) {
   for (const double thickness : {0.0, -1.0, kNaN})
     expect_compute_error(soup(), {}, ErrorCode::usage, "thickness must be positive", thickness);
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.threads = -1;
   expect_compute_error(soup(), options, ErrorCode::usage, "threads");
-  options = {};
-  options.memory_limit = -1;
-  expect_compute_error(soup(), options, ErrorCode::usage, "memory limit");
-  options = {};
+  options = {.sign = {SignMethod::none}};
   options.skip = {SkipRule::Kind::neighbour, 1.5};
   expect_compute_error(soup(), options, ErrorCode::usage, "fraction");
-  expect_error([] { compute(soup(), {{0, 1, 1}, {}, {1, 1, 1}}, 1); }, ErrorCode::usage, "at least one sample");
+  expect_error(
+      [] {
+        compute(soup(), {{0, 1, 1}, {}, {1, 1, 1}}, 1, {.sign = {SignMethod::none}});
+      },
+      ErrorCode::usage, "at least one sample");
 }
 
 TEST(Compute, MemoryOfTheWrongLength) {
@@ -62,14 +63,14 @@ TEST(Compute, MemoryOfTheWrongLength) {
   };
   expect_refused(std::span(values).first(values.size() - 1), {}, {});
   expect_refused(values, std::span(nearest).first(1), {});
-  ComputeOptions options;
-  options.nearest_triangle = true;
+  ComputeOptions options{.sign = {SignMethod::none}};
+  options.nearest = true;
   expect_refused(values, {}, options);
 }
 
 TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
-  ComputeOptions options;
-  const auto needed = memory_needed(soup(), kComputeGrid, 1, options);
+  ComputeOptions options{.sign = {SignMethod::none}};
+  const auto needed = estimate(soup(), kComputeGrid, 1, options).whole;
   options.memory_limit = needed - 1;
   expect_error([&] { compute(soup(), kComputeGrid, 1, options); }, ErrorCode::limit, "may need");
   expect_error([&] { compute(soup(), kComputeGrid, 1, options); }, ErrorCode::limit, "higher limit");
@@ -79,26 +80,26 @@ TEST(Compute, MemoryLimitSaysWhatIsNeededAndWhatToDo) {
 
 // What it takes is measured in memory_test.cpp.
 TEST(Compute, MemoryNeededCountsTheCallersMemory) {
-  ComputeOptions options;
-  const auto dense = [&] { return memory_needed(soup(), kComputeGrid, 0.3, options, true); };
+  ComputeOptions options{.sign = {SignMethod::none}};
+  const auto dense = [&] { return estimate(soup(), kComputeGrid, 0.3, options).dense; };
   const std::int64_t values = dense();
-  options.nearest_triangle = true;
+  options.nearest = true;
   EXPECT_EQ(dense() - values, kComputeGrid.sample_count() * 4);
-  EXPECT_EQ(dense(), memory_needed(200, kComputeGrid, 0.3, options, true)) << "the mesh does not matter";
+  EXPECT_EQ(dense(), estimate(200, kComputeGrid, 0.3, options).dense) << "the mesh does not matter";
 }
 
 TEST(Compute, MemoryNeededDoesNotOverflow) {
   const std::int64_t large = std::int64_t{1} << 40;
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.threads = 1;
-  EXPECT_GT(memory_needed(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, kFullField, options), large);
+  EXPECT_GT(estimate(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, kFullField, options).whole, large);
 }
 
 TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.skip.kind = kind;
-    return memory_needed(1'000'000, kComputeGrid, 1, options);
+    return estimate(1'000'000, kComputeGrid, 1, options).whole;
   };
   const auto none = needed(SkipRule::Kind::none);
   EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);
@@ -107,7 +108,7 @@ TEST(Compute, MemoryNeededCountsTheSkipRule) {
 
 TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
   for (const double thickness : {0.5, 4.0}) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     double last = 0;
     int calls = 0;
     std::vector<std::string> stages;
@@ -136,7 +137,7 @@ TEST(Compute, CancelsWhereverItIsAsked) {
   for (const double thickness : {0.5, 4.0})
     for (const int most : {0, 1, 2, 5, 12}) {
       int calls = 0;
-      ComputeOptions options;
+      ComputeOptions options{.sign = {SignMethod::none}};
       options.progress = [&](const Progress&) { return calls++ < most; };
       expect_error([&] { compute(soup(), kComputeGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
       EXPECT_EQ(calls, most + 1) << "not asked again";
@@ -148,7 +149,7 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
   const Mesh mesh = testing::random_soup(5, 3000, 2, 0.5);
   for (const double thickness : {0.5, 4.0}) {
     int before_bricks = 0;
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.execution.threads = 1;
     options.progress = [&](const Progress& progress) {
       before_bricks += progress.stage == std::string("gather") && progress.fraction == 0.2;
@@ -165,8 +166,8 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
   for (const bool nearest : {false, true, false})
     for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
       for (const Grid& grid : grids) {
-        ComputeOptions options;
-        options.nearest_triangle = nearest;
+        ComputeOptions options{.sign = {SignMethod::none}};
+        options.nearest = nearest;
         const ComputeResult expected = compute(soup(), grid, thickness, options);
         const ComputeReport report = compute_into(soup(), grid, thickness, field, options);
         EXPECT_EQ(report.tiles_stored, expected.report.tiles_stored);
@@ -184,9 +185,9 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
 
 TEST(ComputeIntoAField, UsesItsMemoryAgain) {
   DistanceField field;
-  compute_into(soup(), kComputeGrid, kFullField, field);
+  compute_into(soup(), kComputeGrid, kFullField, field, {.sign = {SignMethod::none}});
   const float* const before = field.tile_values().data();
-  compute_into(soup(), field.grid(), kFullField, field);
+  compute_into(soup(), field.grid(), kFullField, field, {.sign = {SignMethod::none}});
   EXPECT_EQ(field.tile_values().data(), before);
   EXPECT_EQ(field.grid(), kComputeGrid);
 }
@@ -194,19 +195,19 @@ TEST(ComputeIntoAField, UsesItsMemoryAgain) {
 TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
   DistanceField field;
   const auto expect_refused = [&field](const Mesh& mesh, const ComputeOptions& options, ErrorCode code, bool kept) {
-    compute_into(soup(), kComputeGrid, kFullField, field);
+    compute_into(soup(), kComputeGrid, kFullField, field, {.sign = {SignMethod::none}});
     const std::vector<float> before = field.to_dense();
     expect_error([&] { compute_into(mesh, kComputeGrid, kFullField, field, options); }, code, "");
     EXPECT_EQ(field.to_dense() == before, kept);
     EXPECT_EQ(field.stored_tiles() == 0, !kept);
   };
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.threads = -1;
   expect_refused(soup(), options, ErrorCode::usage, true);
-  options = {};
+  options = {.sign = {SignMethod::none}};
   options.memory_limit = 1000;
   expect_refused(soup(), options, ErrorCode::limit, true);
-  options = {};
+  options = {.sign = {SignMethod::none}};
   int calls = 0;
   options.progress = [&](const Progress&) { return calls++ < 4; };
   expect_refused(soup(), options, ErrorCode::interrupted, false);
@@ -214,7 +215,7 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
 }
 
 TEST(Compute, HashesTheMeshWhereItIsWanted) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.hash_mesh = false;
   options.progress = [](const Progress& progress) { return progress.stage != std::string("hash"); };
   const DistanceField field = compute(soup(), kComputeGrid, 1, options).field;
@@ -223,7 +224,7 @@ TEST(Compute, HashesTheMeshWhereItIsWanted) {
 }
 
 TEST(Compute, ReportsWhatItDid) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.threads = 2;
   const ComputeResult done = compute(soup(), kComputeGrid, 0.5, options);
   const ComputeReport& report = done.report;

@@ -81,8 +81,8 @@ TEST(Copies, ChangeNoBitOfAField) {
   const Mesh one = random_soup(5, 60, 1.5, 0.8), mesh = repeated(one, 20);
   for (const double thickness : {0.3, 1.0, kInfinity})
     for (const bool dense : {false, true}) {
-      ComputeOptions options;
-      options.nearest_triangle = true;
+      ComputeOptions options{.sign = {SignMethod::none}};
+      options.nearest = true;
       const auto values = [&](SkipRule::Kind kind, const Mesh& of, ComputeReport& report) {
         options.skip.kind = kind;
         const auto samples = static_cast<std::size_t>(kCopiesGrid.sample_count());
@@ -143,7 +143,8 @@ TEST(Copies, CountForTheSign) {
   query.winding_numbers(points, windings);
   EXPECT_EQ(windings, (std::vector<double>{4, 4, 0}));
   const auto inside = [&](const Mesh& of, WindingRule rule) {
-    return occupancy(of, kCopiesGrid, {.method = SignMethod::winding, .rule = rule, .as_oriented = true}).count();
+    return occupancy(of, kCopiesGrid, {.sign = {.method = SignMethod::winding, .rule = rule, .as_oriented = true}})
+        .count();
   };
   EXPECT_GT(inside(one, WindingRule::odd), 0);
   EXPECT_EQ(inside(mesh, WindingRule::odd), 0);

@@ -42,15 +42,15 @@ void expect_enough(const Mesh& mesh, double thickness) {
   const Grid grid = cube(64, {-5, -5, -5}, 10);
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
-      ComputeOptions options;
+      ComputeOptions options{.sign = {SignMethod::none}};
       options.execution.backend = Backend::cpu;
       options.execution.threads = threads;
-      options.nearest_triangle = nearest;
-      const std::int64_t needed = memory_needed(mesh, grid, thickness, options);
+      options.nearest = nearest;
+      const std::int64_t needed = estimate(mesh, grid, thickness, options).whole;
       const std::int64_t taken = most_held([&] { compute(mesh, grid, thickness, options); });
       EXPECT_LE(taken, needed + kSmallThings)
           << mesh.triangles.size() << " triangles, thickness " << thickness << ", " << threads << " threads";
-      EXPECT_LE(needed, memory_needed(std::int64_t(mesh.triangles.size()), grid, thickness, options));
+      EXPECT_LE(needed, estimate(std::int64_t(mesh.triangles.size()), grid, thickness, options).whole);
     }
 }
 
@@ -68,13 +68,13 @@ TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
 
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
 TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = 2;
   const Grid grid = cube(2000, {0, 0, -0.5}, 1);
   options.memory_limit = std::int64_t{1} << 30;
-  EXPECT_GT(memory_needed(1, grid, 2 * grid.spacing.x, options), 30'000'000'000);
-  const std::int64_t needed = memory_needed(kTriangle, grid, 2 * grid.spacing.x, options);
+  EXPECT_GT(estimate(1, grid, 2 * grid.spacing.x, options).whole, 30'000'000'000);
+  const std::int64_t needed = estimate(kTriangle, grid, 2 * grid.spacing.x, options).whole;
   EXPECT_LE(needed, options.memory_limit);
   EXPECT_LE(
       most_held([&] { EXPECT_GT(compute(kTriangle, grid, 2 * grid.spacing.x, options).field.stored_tiles(), 1000); }),
@@ -82,11 +82,11 @@ TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
 }
 
 TEST(Memory, TilesAreCountedWhereTrianglesReach) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.threads = 1;
   const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
   const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
-    return memory_needed(mesh, grid, thickness, options);
+    return estimate(mesh, grid, thickness, options).whole;
   };
   // Triangles in one place share tiles, but the bound adds them up; triangles off the grid do not count.
   const auto mesh_of = [](int count, double at) {
@@ -105,7 +105,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   EXPECT_EQ(needed(mesh_of(256, 3)) - needed(mesh_of(256, -1000)), kChunk);
   EXPECT_EQ(needed(mesh_of(257, 3)) - needed(mesh_of(257, -1000)), 2 * kChunk);
   EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), 2 * kChunk) << "two tiles each";
-  EXPECT_EQ(needed(mesh_of(1, 3), kFullField), memory_needed(1, grid, kFullField, options));
+  EXPECT_EQ(needed(mesh_of(1, 3), kFullField), estimate(1, grid, kFullField, options).whole);
 }
 
 void take_all(const Mesh& mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
@@ -119,13 +119,13 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
   for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
     for (const double thickness : {0.3, 2.0, kInfinity})
       for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::flood}) {
-        ComputeOptions options;
+        ComputeOptions options{.sign = {SignMethod::none}};
         options.execution = {.threads = 2, .backend = Backend::cpu};
         options.sign.method = method;
         if (method == SignMethod::shell) options.sign.shell = 0.2;
-        const std::int64_t needed = slab_memory_needed(mesh, grid, thickness, options, 1);
+        const std::int64_t needed = estimate(mesh, grid, thickness, options, 1).slabs;
         if (method == SignMethod::flood) {
-          EXPECT_EQ(needed, memory_needed(mesh, grid, thickness, options)) << "it is one slab";
+          EXPECT_EQ(needed, estimate(mesh, grid, thickness, options).whole) << "it is one slab";
           continue;
         }
         EXPECT_LE(most_held([&] { take_all(mesh, grid, thickness, options); }), needed + kSmallThings)
@@ -141,11 +141,11 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
   for (const double thickness : {0.1, kInfinity})
     for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
       for (const bool nearest : {false, true}) {
-        ComputeOptions options;
+        ComputeOptions options{.sign = {SignMethod::none}};
         options.execution = {.threads = 2, .backend = Backend::cpu};
         options.sign.method = method;
-        options.nearest_triangle = nearest;
-        const std::int64_t needed = slab_memory_needed(ball, grid, thickness, options, 1);
+        options.nearest = nearest;
+        const std::int64_t needed = estimate(ball, grid, thickness, options, 1).slabs;
         int slabs = 0;
         const std::int64_t taken = most_held([&] {
           SlabComputation computation(ball, grid, thickness, options, 1);
@@ -164,7 +164,7 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
     const Grid grid{{128, 128, 16 * slabs}, {}, {1, 1, 1}};
     const double top = static_cast<double>(grid.size.z);
     const Mesh wall{{{20, 20, -9}, {100, 90, -9}, {20, 20, top}, {100, 90, top}}, {{0, 1, 2}, {1, 3, 2}}};
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.execution = {.threads = 1, .backend = Backend::cpu};
     options.sign.method = SignMethod::winding;
     return most_held([&] {
@@ -184,11 +184,11 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
 
 TEST(Memory, WhatIsTooLargeMayFitInSlabs) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution = {.threads = 1, .backend = Backend::cpu};
   const Grid grid = cube(160, {-5, -5, -5}, 10);
-  options.memory_limit = slab_memory_needed(mesh, grid, kInfinity, options, 1);
-  EXPECT_LT(2 * options.memory_limit, memory_needed(mesh, grid, kInfinity, options));
+  options.memory_limit = estimate(mesh, grid, kInfinity, options, 1).slabs;
+  EXPECT_LT(2 * options.memory_limit, estimate(mesh, grid, kInfinity, options).whole);
   expect_error([&] { compute(mesh, grid, kInfinity, options); }, ErrorCode::limit, "more than the limit");
   EXPECT_LE(most_held([&] { take_all(mesh, grid, kInfinity, options); }), options.memory_limit + kSmallThings);
   --options.memory_limit;
@@ -212,7 +212,7 @@ std::string refusal(const Mesh& mesh, const Grid& grid, double thickness, const 
 TEST(Memory, WhatIsAdvisedHelps) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.execution.backend = Backend::cpu;
     options.execution.threads = 1;
     const Grid grid = cube(400, {-5, -5, -5}, 10);
@@ -221,14 +221,14 @@ TEST(Memory, WhatIsAdvisedHelps) {
     std::smatch side;
     ASSERT_TRUE(std::regex_search(told, side, std::regex("at most about ([0-9]+) samples"))) << told;
     EXPECT_NE(told.find("smaller thickness"), std::string::npos) << told;
-    EXPECT_LE(memory_needed(mesh, cube(std::stoll(side[1]), {-5, -5, -5}, 10), thickness, options),
+    EXPECT_LE(estimate(mesh, cube(std::stoll(side[1]), {-5, -5, -5}, 10), thickness, options).whole,
               options.memory_limit);
-    EXPECT_LE(memory_needed(mesh, grid, grid.spacing.x, options), options.memory_limit);
+    EXPECT_LE(estimate(mesh, grid, grid.spacing.x, options).whole, options.memory_limit);
   }
 }
 
 TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = 1;
   const Grid grid = cube(400, {-5, -5, -5}, 10);
@@ -252,7 +252,7 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
     };
     expect_error(limited, ErrorCode::limit, words);
   };
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = 1;
   for (const std::int64_t bytes : {10'000, 40'000}) {

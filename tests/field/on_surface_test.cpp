@@ -86,14 +86,14 @@ TEST(OnSurface, SamplesWithinFacesAcrossAnAxisHaveTheValueZero) {
     for (const double spacings : {2.0, 10.0, kInfinity}) {
       const double thickness = spacings * box.grid.max_spacing();
       for (const Simd simd : {Simd::portable, Simd::automatic}) {
-        ComputeOptions options;
+        ComputeOptions options{.sign = {SignMethod::none}};
         options.execution = {.threads = 1, .simd = simd};
         expect_zeros(box, thickness, options, name + ", unsigned");
         options.sign.method = SignMethod::winding;
         expect_zeros(box, thickness, options, name + ", signed");
       }
     }
-    ComputeOptions emulated;
+    ComputeOptions emulated{.sign = {SignMethod::none}};
     emulated.execution = {.threads = 1, .backend = testing::kEmulated};
     expect_zeros(box, 2 * box.grid.max_spacing(), emulated, name + ", emulated");
   }
@@ -131,7 +131,8 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
       mesh.vertices.push_back(grid.position(corner[0], corner[1], corner[2]));
     }
     mesh.triangles = {{0, 1, 2}};
-    const DistanceField field = compute(mesh, grid, 3 * grid.max_spacing(), {.execution = {.threads = 1}}).field;
+    const DistanceField field =
+        compute(mesh, grid, 3 * grid.max_spacing(), {.sign = {SignMethod::none}, .execution = {.threads = 1}}).field;
     for_each_sample(grid, [&](auto i, auto j, auto k) {
       if (!lies_on(corners, {i, j, k})) return;
       const double value = field.value(i, j, k);
@@ -149,7 +150,7 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
 // of the point in +z, then in +x.
 TEST(OnSurface, WhereTheValueIsNotZeroItsSideIsThatOfThePointBeyondInY) {
   const BoxOnGrid& box = kBoxes[1];
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = SignMethod::winding;
   const DistanceField field = compute(box.mesh(), box.grid, kInfinity, options).field;
   int negative = 0, positive = 0;

@@ -23,9 +23,9 @@ constexpr SignOptions kAll{.method = SignMethod::winding, .as_oriented = true};
 constexpr SignOptions kOuter{.method = SignMethod::winding, .as_oriented = true, .outer = true};
 
 ComputeResult field_of(const Mesh& mesh, const Grid& grid, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign = sign;
-  options.nearest_triangle = true;
+  options.nearest = true;
   return compute(mesh, grid, thickness, options);
 }
 
@@ -45,7 +45,7 @@ bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std
 int compare_with_all(const Mesh& mesh, const Grid& grid, bool bits, double thickness = kFullField) {
   const DistanceField all = field_of(mesh, grid, kAll, thickness).field,
                       outer = field_of(mesh, grid, kOuter, thickness).field;
-  const std::vector<Exposure> exposure = exposed_triangles(mesh, kAll).of;
+  const std::vector<Exposure> exposure = exposed_triangles(mesh, {.sign = kAll}).of;
   int changed = 0, wrong = 0;
   for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     const float before = all.value(i, j, k), after = outer.value(i, j, k);
@@ -175,7 +175,7 @@ TEST(Outer, VerifyFindsAFieldThatHasTheWall) {
 TEST(Outer, GoesWithSkipRulesDenseFieldsAndOrientation) {
   const Mesh hull = moved(sphere(12), {}, 2), mesh = joined(sphere(5), hull);
   const Grid grid = around(mesh, 20);
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign = {.method = SignMethod::automatic, .outer = true};
   const DistanceField turned = compute(reversed(mesh), grid, kFullField, options).field;
   EXPECT_EQ(turned.provenance().sign, "winding oriented outer");
@@ -202,7 +202,7 @@ TEST(Outer, OpenMeshesAndOtherMethodsAreErrors) {
   expect(ErrorCode::input, "not closed", without(sphere(), 3), kOuter);
   expect(ErrorCode::input, "not closed", terrain(), {.method = SignMethod::automatic, .outer = true});
   expect(ErrorCode::usage, "outer", sphere(), {.method = SignMethod::parity, .outer = true});
-  expect(ErrorCode::usage, "outer", sphere(), {.outer = true});
+  expect(ErrorCode::usage, "outer", sphere(), {.method = SignMethod::none, .outer = true});
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ constexpr std::array kAll{SidecarKind::closest_point, SidecarKind::barycentric, 
                           SidecarKind::gradient};
 
 ComputeOptions with_nearest(SignMethod sign = SignMethod::none) {
-  ComputeOptions options;
-  options.nearest_triangle = true;
+  ComputeOptions options{.sign = {SignMethod::none}};
+  options.nearest = true;
   options.sign.method = sign;
   options.execution.backend = Backend::cpu;
   return options;
@@ -124,12 +124,12 @@ void expect_as_closest_points(const Mesh& mesh, const Grid& grid) {
   std::int64_t same = 0, all = 0;
   for_each_sample(field, sidecars(mesh, field, kAll), [&](const Beside& s) {
     const Vec3 points[1] = {s.at};
-    const ClosestPoint exact = closest_points(mesh, points, {.threads = 1})[0];
+    const ClosestPoint exact = closest_points(mesh, points, {.execution = {.threads = 1}})[0];
     ++all;
     if (exact.triangle != s.nearest) return;  // both are equally near within rounding
     ++same;
     EXPECT_LE(length(exact.point - s.closest), 2e-7);
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(exact.weights[k], s.weights[k], 1e-6);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(exact.barycentric[k], s.weights[k], 1e-6);
   });
   EXPECT_GT(same, all / 2);
   EXPECT_GT(all, 1000);
@@ -137,10 +137,10 @@ void expect_as_closest_points(const Mesh& mesh, const Grid& grid) {
 
 // Triangles that are nearest to few samples of a tile, and to many.
 TEST(Sidecars, AsClosestPoints) {
-  expect_as_closest_points(testing::torus(), fit_samples(bounds(testing::torus()), 24, 0.3));
+  expect_as_closest_points(testing::torus(), fit_resolution(bounds(testing::torus()), 24, 0.3));
   const Mesh cone{{{0.1, 0.2, 1.3}, {-1, -0.7, 0}, {1.2, -0.9, 0.1}, {0.3, 1.1, -0.1}},
                   {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
-  expect_as_closest_points(cone, fit_samples(bounds(cone), 60, 0.3));
+  expect_as_closest_points(cone, fit_resolution(bounds(cone), 60, 0.3));
 }
 
 TEST(Sidecars, FarAway) {
@@ -192,7 +192,7 @@ TEST(Sidecars, OnTheSurface) {
 
 TEST(Sidecars, GradientOfSignedFields) {
   const Mesh mesh = testing::sphere(16);
-  const Grid grid = fit_samples(bounds(mesh), 30, 0.3);
+  const Grid grid = fit_resolution(bounds(mesh), 30, 0.3);
   for (const bool invert : {false, true}) {
     ComputeOptions options = with_nearest(SignMethod::winding);
     options.sign.invert = invert;
@@ -236,14 +236,14 @@ TEST(Sidecars, SameBitsForAnyThreadsSetsAndLayouts) {
   const Mesh mesh = testing::nasty_soup(5, 300, 2);
   const Grid grid{{30, 30, 30}, {-2, -2, -2}, {0.14, 0.14, 0.14}};
   const DistanceField field = compute(mesh, grid, 0.5, with_nearest()).field;
-  const auto one = sidecars(mesh, field, kAll, {.threads = 1});
+  const auto one = sidecars(mesh, field, kAll, {.execution = {.threads = 1}});
   const auto expect_same = [&](const std::vector<Sidecar>& other) {
     for (std::size_t n = 0; n < one.size(); ++n) EXPECT_EQ(one[n].values, other[n].values) << one[n].name;
   };
-  expect_same(sidecars(mesh, field, kAll, {.threads = 3}));
+  expect_same(sidecars(mesh, field, kAll, {.execution = {.threads = 3}}));
   for (const Simd set : {Simd::portable, Simd::avx2, Simd::avx512}) {
     try {
-      expect_same(sidecars(mesh, field, kAll, {.simd = set}));
+      expect_same(sidecars(mesh, field, kAll, {.execution = {.simd = set}}));
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::usage);  // the processor lacks the set
     }
@@ -268,7 +268,7 @@ TEST(Sidecars, Errors) {
   const Mesh few{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   const auto fails = [&](ErrorCode code, const std::string& words, const Mesh& of, const DistanceField& with,
                          std::span<const SidecarKind> kinds, const ProgressCallback& progress = {}) {
-    expect_error([&] { sidecars(of, with, kinds, {}, progress); }, code, words);
+    expect_error([&] { sidecars(of, with, kinds, {.progress = progress}); }, code, words);
   };
   fails(ErrorCode::usage, "no nearest triangles", mesh, DistanceField(grid, 1), kAll);
   fails(ErrorCode::usage, "no such kind", mesh, field, std::array{static_cast<SidecarKind>(9)});
@@ -278,20 +278,23 @@ TEST(Sidecars, Errors) {
   fails(ErrorCode::interrupted, "cancelled", mesh, field, kAll, [](const Progress&) { return false; });
 }
 
-// The memory of sidecars is counted before the work.
-TEST(Sidecars, MemoryIsCounted) {
+// What sidecars will take can be told before the work.
+TEST(Sidecars, MemoryIsEstimated) {
   const Mesh mesh = testing::sphere(16);
-  const Grid grid = fit_samples(bounds(mesh), 60, 0.1);
-  ComputeOptions options = with_nearest();
-  const std::int64_t without = memory_needed(mesh, grid, 0.1, options);
-  for (const SidecarKind kind : kAll) options.bytes_beside += bytes_per_sample(kind);
-  EXPECT_EQ(options.bytes_beside, 37);
-  const std::int64_t with = memory_needed(mesh, grid, 0.1, options);
+  const Grid grid = fit_resolution(bounds(mesh), 60, 0.1);
+  const ComputeOptions options = with_nearest();
+  const MemoryEstimate found = estimate(mesh, grid, 0.1, options);
   const DistanceField field = compute(mesh, grid, 0.1, options).field;
-  EXPECT_GE(with, field.memory_bytes() + 37 * 512 * field.stored_tiles());
-  EXPECT_GT(with, without);
-  options.memory_limit = without;
-  expect_error([&] { compute(mesh, grid, 0.1, options); }, ErrorCode::limit, "may need");
+  std::int64_t bytes = 0, taken = 0;
+  for (const SidecarKind kind : kAll) bytes += bytes_per_sample(kind);
+  EXPECT_EQ(bytes, 37);
+  for (const Sidecar& sidecar : sidecars(mesh, field, kAll))
+    taken += std::visit([](const auto& values) { return static_cast<std::int64_t>(std::span(values).size_bytes()); },
+                        sidecar.values);
+  EXPECT_EQ(taken, bytes * 512 * field.stored_tiles());
+  EXPECT_GE(found.stored_samples, 512 * field.stored_tiles());
+  EXPECT_LE(found.stored_samples, 4 * 512 * field.stored_tiles()) << "the bound is good for nothing";
+  EXPECT_GE(found.whole, field.memory_bytes());
 }
 
 }  // namespace

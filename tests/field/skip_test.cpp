@@ -209,9 +209,9 @@ TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
 }
 
 ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.method = method;
-  options.nearest_triangle = true;
+  options.nearest = true;
   options.skip.kind = rule;
   return compute(mesh, kSkipGrid, thickness, options);
 }

@@ -32,7 +32,7 @@ Mesh open_ball() {
 }
 
 ComputeOptions by(SignMethod method, int threads = 2) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = method;
   if (method == SignMethod::shell) options.sign.shell = 0.2;
   options.execution = {.threads = threads, .backend = Backend::cpu};
@@ -63,7 +63,7 @@ int expect_whole_field(const Mesh& mesh, const Grid& grid, double thickness, con
   SlabComputation slabs(mesh, grid, thickness, options, slab_samples);
   EXPECT_EQ(slabs.grid(), grid);
   EXPECT_EQ(slabs.thickness(), thickness);
-  EXPECT_EQ(slabs.has_nearest(), options.nearest_triangle);
+  EXPECT_EQ(slabs.has_nearest(), options.nearest);
   std::int64_t slices = 0;
   int count = 0;
   while (const DistanceField* slab = slabs.next()) {
@@ -76,8 +76,8 @@ int expect_whole_field(const Mesh& mesh, const Grid& grid, double thickness, con
     whole.field.copy_slices(slices, part.size.z, values);
     slab->copy_slices(0, part.size.z, found);
     EXPECT_TRUE(bits_of(values) == bits_of(found)) << "from slice " << slices;
-    EXPECT_EQ(slab->has_nearest(), options.nearest_triangle);
-    if (options.nearest_triangle) {
+    EXPECT_EQ(slab->has_nearest(), options.nearest);
+    if (options.nearest) {
       std::vector<std::uint32_t> nearest(samples), found_nearest(samples);
       whole.field.copy_nearest_slices(slices, part.size.z, nearest);
       slab->copy_nearest_slices(0, part.size.z, found_nearest);
@@ -98,7 +98,7 @@ TEST(Slabs, ThinThickAndFull) {
       for (const bool nearest : {false, true}) {
         SCOPED_TRACE(thickness);
         ComputeOptions options = by(SignMethod::none);
-        options.nearest_triangle = nearest;
+        options.nearest = nearest;
         EXPECT_EQ(expect_whole_field(mesh, kSlabsGrid, thickness, options), 5);
       }
 }
@@ -119,7 +119,7 @@ TEST(Slabs, EverySign) {
           SCOPED_TRACE(std::string(name_of(one.method)) + (open ? " open " : " closed ") + std::to_string(thickness));
           ComputeOptions options = by(one.method);
           options.sign.invert = invert;
-          options.nearest_triangle = thickness == 0.7;
+          options.nearest = thickness == 0.7;
           const int slabs = expect_whole_field(open ? open_ball() : ball_mesh(1, 6), kSlabsGrid, thickness, options);
           // Automatic may flood open meshes.
           if (one.method != SignMethod::automatic || !open) {
@@ -151,7 +151,7 @@ TEST(Slabs, AreAsThickAsAsked) {
   EXPECT_EQ(count(2 * layer), 3);
   EXPECT_EQ(count(4 * layer), 2);
   EXPECT_EQ(count(5 * layer), 1);
-  EXPECT_EQ(count(SlabComputation::kSlabSamples), 1);
+  EXPECT_EQ(count(kSlabSamples), 1);
 }
 
 TEST(Slabs, OtherMethodsAreOneSlab) {
@@ -268,7 +268,7 @@ TEST(Slabs, WhatTheirFilesCannotBe) {
     expect_error([&] { write_field(folder / name, slabs); }, ErrorCode::usage,
                  "write .vti or .nrrd or .npz, or compute the whole field");
   ComputeOptions options = by(SignMethod::none);
-  options.nearest_triangle = true;
+  options.nearest = true;
   SlabComputation with_nearest(ball, kSlabsGrid, 0.2, options);
   expect_error([&] { write_field(folder / "a.vti", with_nearest); }, ErrorCode::usage, "distances alone are written");
   EXPECT_TRUE(folder.names().empty());

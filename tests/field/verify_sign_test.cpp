@@ -19,7 +19,7 @@ const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kSignGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign = sign;
   return compute(mesh, kSignGrid, thickness, options).field;
 }
@@ -223,7 +223,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
 
 TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
   const Mesh mesh = testing::solid_soup(6, 1);
-  const DistanceField plain = signed_field(mesh, {}, 0.5);
+  const DistanceField plain = signed_field(mesh, {SignMethod::none}, 0.5);
   const auto shell = [&](const std::string& name, float by) {
     return verified(changed(plain, name, [by](float& value, std::size_t) { value = std::min(value - by, 0.4f); }),
                     mesh);
@@ -255,9 +255,9 @@ TEST(VerifySign, AllThatComputeMakes) {
         SignOptions{.method = SignMethod::shell, .shell = 0.3},
         SignOptions{.method = SignMethod::shell, .invert = true, .shell = 0.05}})
     for (const double thickness : {0.1, kFullField}) {
-      ComputeOptions options;
+      ComputeOptions options{.sign = {SignMethod::none}};
       options.sign = sign;
-      options.nearest_triangle = true;
+      options.nearest = true;
       const DistanceField field = compute(broken, kSignGrid, thickness, options).field;
       const VerifyResult found = verified(field, broken);
       EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored

@@ -92,7 +92,7 @@ TEST(Verify, TrueFieldsPass) {
 
 TEST(Verify, SamplesAtTheThicknessLieInTheBand) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   const ComputeResult computed = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, 1, options);
   EXPECT_EQ(computed.report.samples_band, 3 * 256);
   EXPECT_EQ(verify(computed.field, plane, every_sample()).samples_band, 3 * 256);

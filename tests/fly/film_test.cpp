@@ -22,7 +22,7 @@ std::vector<FlightFrame> frames(int count, int touches, int crosses) {
 }
 
 FlightSubject subject() {
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  const Body walls(room()), body(ball_mesh(0.3, 3));
   return flight_subject("room", walls, body, {});
 }
 

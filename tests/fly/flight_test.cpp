@@ -25,7 +25,7 @@ FlightOptions quick() {
 }
 
 std::unique_ptr<Flight> flight(const FlightOptions& options, std::int64_t bodies) {
-  return std::make_unique<Flight>(CollisionModel(room()), CollisionModel(ball_mesh(0.3, 2)), options, bodies);
+  return std::make_unique<Flight>(Body(room()), Body(ball_mesh(0.3, 2)), options, bodies);
 }
 
 std::int64_t crossings(const FlightFrame& frame) {
@@ -79,7 +79,7 @@ TEST(Flight, IsWhatTheWorldFlies) {
   const auto it = flight(quick(), 3);
   it->run(50);
   FlightOptions options = quick();
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 2));
+  const Body walls(room()), body(ball_mesh(0.3, 2));
   options.bounds = walls.bounds();
   World world(body, options);
   world.add(walls);

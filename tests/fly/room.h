@@ -31,7 +31,7 @@ struct Flown {
 };
 
 inline Flown flown(fly::FlightOptions options, std::int64_t steps, int count) {
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  const Body walls(room()), body(ball_mesh(0.3, 3));
   fly::World world(body, options);
   world.add(walls);
   for (int n = 0; n < count; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});

@@ -15,8 +15,8 @@ namespace {
 
 using namespace standoff::testing;
 
-const CollisionModel& ball() {
-  static const CollisionModel model(ball_mesh(0.3, 3));
+const Body& ball() {
+  static const Body model(ball_mesh(0.3, 3));
   return model;
 }
 
@@ -83,7 +83,7 @@ TEST(World, NoSpeedIsNoMotion) {
 // A ball on its way down to a wide floor.
 Flier after_the_floor(FlightOptions options, Flier& before) {
   options.scatter_rad = 0;
-  const CollisionModel floor(one_triangle({-1e4, 0, -1e4}, {3e4, 0, -1e4}, {-1e4, 0, 3e4}));
+  const Body floor(one_triangle({-1e4, 0, -1e4}, {3e4, 0, -1e4}, {-1e4, 0, 3e4}));
   for (options.seed = 1;; ++options.seed) {
     World world(ball(), options);
     world.add(floor);

@@ -26,7 +26,7 @@ TEST(Fly, ByDefaultTheToleranceIsAutomatic) {
   FlightOptions options;
   options.speed = 0.7;
   const Flown by_default = flown(options, 300, 5);
-  options.tolerance = automatic_tolerance(CollisionModel(room()), CollisionModel(ball_mesh(0.3, 3)));
+  options.tolerance = automatic_tolerance(Body(room()), Body(ball_mesh(0.3, 3)));
   const Flown named = flown(options, 300, 5);
   ASSERT_EQ(by_default.path.size(), named.path.size());
   std::int64_t collisions = 0;
@@ -68,7 +68,7 @@ TEST(Fly, RunsInPartsAndGoesOnInOtherWorlds) {
   FlightOptions options;
   options.speed = 0.3;
   const Flown whole = flown(options, 300, 4);
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  const Body walls(room()), body(ball_mesh(0.3, 3));
   World parts(body, options);
   parts.add(walls);
   for (int n = 0; n < 4; ++n) parts.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
@@ -91,8 +91,8 @@ TEST(Fly, ChangesItsModeInFlight) {
   FlightOptions options;
   options.thickness = 0.5;
   options.speed = 5;
-  World world(CollisionModel(ball_mesh(0.3, 3)), options);
-  world.add(CollisionModel(room()));
+  World world(Body(ball_mesh(0.3, 3)), options);
+  world.add(Body(room()));
   for (int n = 0; n < 8; ++n) world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
   const auto crossings = [&] {
     std::int64_t sum = 0;
@@ -116,7 +116,7 @@ TEST(Fly, ChangesItsModeInFlight) {
 TEST(Fly, KnowsHowNearTheWallsAre) {
   const Mesh walls = room();
   const Pose pose = make_pose({0, 1, 0}, 0.5, {1, 2, 3});
-  World world(CollisionModel(ball_mesh(0.3, 3)), {});
+  World world(Body(ball_mesh(0.3, 3)), {});
   std::vector<double> distances(3);
   const std::vector<Vec3> points{{2, 1.5, 2}, {4.4, 2, 3}, {5, 1, 5}};
   for (const Vec3& p : points) {
@@ -127,7 +127,7 @@ TEST(Fly, KnowsHowNearTheWallsAre) {
   }
   world.wall_distances(distances);
   for (const double d : distances) EXPECT_EQ(d, std::numeric_limits<double>::infinity());
-  world.add(CollisionModel(walls), pose);
+  world.add(Body(walls), pose);
   world.wall_distances(distances);
   EXPECT_NEAR(distances[0], 1.5, 1e-9);  // the floor
   EXPECT_NEAR(distances[1], 0.6, 1e-9);  // the wall in the middle
@@ -138,7 +138,7 @@ TEST(Fly, StaysInItsRoom) {
   FlightOptions options;
   options.speed = 0.5;
   options.bounds = {{1, 1, 1}, {4, 3, 3}};
-  const CollisionModel walls(room()), body(ball_mesh(0.3, 3));
+  const Body walls(room()), body(ball_mesh(0.3, 3));
   World world(body, options);
   world.add(walls);
   world.add_flier({{1.5, 1.5, 1.5}, {2, 2, 2}});

@@ -33,7 +33,7 @@ class CudaRoomOf : public ::testing::TestWithParam<Method> {};
 TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
   const Mesh mesh = testing::random_soup(81, 200, 4, 1);
   const Grid grid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = testing::kEmulated;
   options.method = GetParam();
   const DistanceField field = compute(mesh, grid, 3, options).field;
@@ -60,7 +60,7 @@ TEST_P(CudaRoomOf, TooLittleIsSaidAndNothingIsKept) {
 TEST(CudaRoom, TheWholeNeedIsTold) {
   const Mesh mesh = testing::random_soup(82, 10, 4, 1);
   const Grid grid{{256, 256, 256}, {-4, -4, -4}, {0.03, 0.03, 0.03}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = testing::kEmulated;
   options.method = Method::thesis;
   const SmallGpu gpu(std::int64_t{100} << 20);
@@ -78,18 +78,18 @@ TEST(CudaRoom, TheWholeNeedIsTold) {
 
 // The platform's message spoke of fields to those who asked about bodies.
 TEST(CudaRoom, ABatchOfPosesIsNotToldToTakeFewerSamples) {
-  const CollisionModel ball(testing::ball_mesh(1, 4)), small(testing::ball_mesh(0.5, 3));
+  const Body ball(testing::ball_mesh(1, 4)), small(testing::ball_mesh(0.5, 3));
   testing::Random random(83);
   std::vector<Pose> poses;
   for (int n = 0; n < 50; ++n) poses.push_back(testing::random_pose(random, 1.5));
-  const auto expected = collide_all(ball, {}, small, poses, {}, {.backend = Backend::cpu});
+  const auto expected = collide_all(ball, {}, small, poses, {}, {.backend = Backend::cpu}).results;
   int refused = 0;
   bool fitted = false;
   for (std::int64_t bytes = 0; !fitted; bytes = 2 * bytes + 100) {
     ASSERT_LT(bytes, std::int64_t{1} << 32);
     const SmallGpu gpu(bytes);
     try {
-      const auto found = collide_all(ball, {}, small, poses, {}, {.backend = testing::kEmulated});
+      const auto found = collide_all(ball, {}, small, poses, {}, {.backend = testing::kEmulated}).results;
       for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict) << "pose " << n;
       fitted = true;
     } catch (const Error& error) {

@@ -28,7 +28,7 @@ const Grid kGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 const Mesh kMesh = testing::random_soup(95, 120, 4, 1.2);
 
 ComputeOptions on_gpu(Method method = Method::tiles) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cuda;
   options.method = method;
   return options;

@@ -129,7 +129,7 @@ std::vector<Case> cases(bool quick) {
   add("far from the origin", testing::random_soup(75, 100, 6, 2, far), there);
   for (const scenes::Scene& scene : scenes::all()) {
     const Mesh mesh = scenes::make(scene.name, std::min<std::int64_t>(scene.triangles, 400));
-    add(scene.name, mesh, fit_samples(bounds(mesh), 20, {.least_samples = 0}));
+    add(scene.name, mesh, fit_resolution(bounds(mesh), 20, {.least_samples = 0}));
   }
   return all;
 }
@@ -201,7 +201,7 @@ int run_blocking() {
       const cuda::Outcome outcome = expected.run();
       std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), static_cast<float>(thickness));
       std::vector<std::uint32_t> nearest(values.size(), kNoTriangle);
-      const ComputeOptions options;
+      const ComputeOptions options{.sign = {SignMethod::none}};
       ProgressMeter progress(options.progress);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);

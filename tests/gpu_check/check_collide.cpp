@@ -71,11 +71,10 @@ int tell(const char* query, const Case& c, std::size_t count, int wrong, int hit
 }
 
 int run(const Case& c, Backend backend, int count) {
-  const CollisionModel a(c.a), b(c.b);
+  const Body a(c.a), b(c.b);
   const std::vector<Pose> poses = poses_for(c, count);
-  BatchReport report;
-  const auto found = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = backend}, &report);
-  const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = Backend::cpu});
+  const auto [found, report] = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = backend});
+  const auto expected = collide_all(a, c.pose_a, b, poses, {.margin = c.margin}, {.backend = Backend::cpu}).results;
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < poses.size(); ++n)
     wrong += found[n].verdict != expected[n].verdict, hits += expected[n].hit();
@@ -83,7 +82,7 @@ int run(const Case& c, Backend backend, int count) {
 }
 
 int run_sweeps(const Case& c, Backend backend, int count) {
-  const CollisionModel a(c.a), b(c.b);
+  const Body a(c.a), b(c.b);
   testing::Random random(90);
   const double way = 0.2 * length(bounds(c.b).extent());
   std::vector<RigidMotion> motions;
@@ -92,9 +91,8 @@ int run_sweeps(const Case& c, Backend backend, int count) {
     to.translation = from.translation + random.in_cube(way);
     motions.push_back({from, to, {}});
   }
-  BatchReport report;
-  const auto found = sweep_all(a, c.pose_a, b, motions, {}, {.backend = backend}, &report);
-  const auto expected = sweep_all(a, c.pose_a, b, motions, {}, {.backend = Backend::cpu});
+  const auto [found, report] = sweep_all(a, c.pose_a, b, motions, {}, {.backend = backend});
+  const auto expected = sweep_all(a, c.pose_a, b, motions, {}, {.backend = Backend::cpu}).results;
   int wrong = 0, hits = 0;
   for (std::size_t n = 0; n < motions.size(); ++n)
     wrong += found[n].hit != expected[n].hit || found[n].time != expected[n].time, hits += expected[n].hit;

@@ -24,7 +24,7 @@ inline std::pair<int, int> check_points(bool quick, Backend backend, int points_
   }
   int wrong = 0;
   for (const auto& [name, mesh] : meshes) {
-    const MeshQuery query(mesh);
+    const MeshQuery query(mesh, {.sign = {SignMethod::none}});
     const Box box = bounds(mesh);
     testing::Random random(94);
     std::vector<Vec3> points;
@@ -32,8 +32,8 @@ inline std::pair<int, int> check_points(bool quick, Backend backend, int points_
       points.push_back(n % 4 == 0 ? mesh.vertices[random.below(static_cast<std::uint32_t>(mesh.vertices.size()))]
                                   : box.center() + box.extent() * random.in_cube(0.75));
     std::vector<ClosestPoint> found(points.size()), expected(points.size());
-    query.closest(points, found, {.backend = backend});
-    query.closest(points, expected, {.backend = Backend::cpu});
+    query.closest(points, found, {.execution = {.backend = backend}});
+    query.closest(points, expected, {.execution = {.backend = Backend::cpu}});
     int differ = 0;
     for (std::size_t n = 0; n < points.size(); ++n)
       differ += found[n].distance != expected[n].distance || found[n].triangle != expected[n].triangle ||

@@ -19,7 +19,7 @@ std::string body(const char* name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// As src/collision/body/model.cpp sums: over the header and each array, eight bytes at a time and the rest.
+// As src/collision/body/body.cpp sums: over the header and each array, eight bytes at a time and the rest.
 class Checksum {
  public:
   void add(std::string_view bytes) {

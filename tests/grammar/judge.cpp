@@ -109,7 +109,7 @@ std::string check(const DistanceField& field) {
 }
 
 // Whatever bounds a body holds, queries end. Where they refuse, it is for places past what they take.
-std::string ask(const CollisionModel& body) {
+std::string ask(const Body& body) {
   const Vec3 middle = body.bounds().center(), extent = body.bounds().extent();
   const double size = std::max({extent.x, extent.y, extent.z, 1e-9});
   Pose turned = make_pose({3, 1, 2}, 0.7, {});
@@ -160,7 +160,7 @@ void read_and_judge(const Grammar& grammar, const File& file, bool good, const s
                     Verdict& verdict) {
   switch (grammar.kind) {
     case Kind::mesh:
-      judge_read(read_mesh(path), file.truth, good, verdict);
+      judge_read(read_mesh(path).mesh, file.truth, good, verdict);
       break;
     case Kind::field:
       judge_read(read_field(path, {.memory_limit = std::int64_t{64} << 20}), file.truth, good, verdict);
@@ -169,7 +169,7 @@ void read_and_judge(const Grammar& grammar, const File& file, bool good, const s
       judge_read(read_points(path), file.truth, good, verdict);
       break;
     case Kind::body: {
-      const CollisionModel body = CollisionModel::load(path);
+      const Body body = Body::load(path);
       verdict.read = true;
       verdict.fault = ask(body);
       if (good && verdict.fault.empty()) {

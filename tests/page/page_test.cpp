@@ -85,9 +85,9 @@ double value_of(const page::CodedField& field, std::int64_t i, std::int64_t j, s
 TEST(Page, FieldIsTheSameWithinAStep) {
   const Mesh mesh = scenes::make("bender");
   for (const double thickness : {kInfinity, 0.07}) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.sign.method = SignMethod::automatic;
-    const DistanceField field = compute(mesh, fit_samples(bounds(mesh), 45, thickness), thickness, options).field;
+    const DistanceField field = compute(mesh, fit_resolution(bounds(mesh), 45, thickness), thickness, options).field;
     const page::CodedField held = page::coded_field(field, {});
     ASSERT_EQ(held.grid, field.grid());
     PageItem item;
@@ -108,7 +108,8 @@ TEST(Page, FieldIsTheSameWithinAStep) {
 // For pages that wait for a field: what they unpack else is there as it is.
 TEST(Page, WithoutCompressionValuesArePlain) {
   const Mesh mesh = scenes::make("bender");
-  const DistanceField field = compute(mesh, fit_samples(bounds(mesh), 20, 0.3), 0.3, {}).field;
+  const DistanceField field =
+      compute(mesh, fit_resolution(bounds(mesh), 20, 0.3), 0.3, {.sign = {SignMethod::none}}).field;
   const std::string bytes = page_data(PageField{"bender", &field}, {.compression = 0});
   const page::CodedField held = page::coded_field(field, {});
   ASSERT_EQ(bytes.substr(0, 4), "SOPG");
@@ -123,12 +124,14 @@ TEST(Page, WithoutCompressionValuesArePlain) {
 
 TEST(Page, LargeFieldsAreThinned) {
   const Mesh mesh = scenes::make("bender");
-  const DistanceField field = compute(mesh, fit_samples(bounds(mesh), 60), kFullField).field;
+  const DistanceField field =
+      compute(mesh, fit_resolution(bounds(mesh), 60), kFullField, {.sign = {SignMethod::none}}).field;
   const page::CodedField held = page::coded_field(field, {.most_samples = 20000});
   EXPECT_GT(held.every, 1);
   EXPECT_LE(held.grid.sample_count(), 20000);
   // Of a band, what is stored counts.
-  const DistanceField band = compute(mesh, fit_samples(bounds(mesh), 200, 0.05), 0.05).field;
+  const DistanceField band =
+      compute(mesh, fit_resolution(bounds(mesh), 200, 0.05), 0.05, {.sign = {SignMethod::none}}).field;
   const page::CodedField all = page::coded_field(band, {.most_samples = band.stored_tiles() * 512});
   EXPECT_EQ(all.every, 1);
   EXPECT_GT(band.grid().sample_count(), band.stored_tiles() * 512);

@@ -34,10 +34,10 @@ void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size)
     Vec3 weighed;
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
-      EXPECT_GE(it.weights[k], 0);
-      EXPECT_LE(it.weights[k], 1);
-      sum += it.weights[k];
-      weighed = weighed + mesh.vertices[mesh.triangles[it.triangle][k]] * it.weights[k];
+      EXPECT_GE(it.barycentric[k], 0);
+      EXPECT_LE(it.barycentric[k], 1);
+      sum += it.barycentric[k];
+      weighed = weighed + mesh.vertices[mesh.triangles[it.triangle][k]] * it.barycentric[k];
     }
     EXPECT_NEAR(sum, 1, 1e-15);
     EXPECT_NEAR(length(weighed - it.point), 0, rounding);
@@ -69,11 +69,11 @@ TEST(ClosestPoints, FaceSideAndCorner) {
   const auto found = closest_points(mesh, points);
   EXPECT_EQ(found[0].distance, 2);
   EXPECT_EQ(found[0].point, (Vec3{1, 1, 0}));
-  EXPECT_EQ(found[0].weights, (std::array<double, 3>{0.5, 0.25, 0.25}));
+  EXPECT_EQ(found[0].barycentric, (std::array<double, 3>{0.5, 0.25, 0.25}));
   EXPECT_EQ(found[1].distance, 3);
-  EXPECT_EQ(found[1].weights, (std::array<double, 3>{0.75, 0.25, 0}));
+  EXPECT_EQ(found[1].barycentric, (std::array<double, 3>{0.75, 0.25, 0}));
   EXPECT_EQ(found[2].distance, 5);
-  EXPECT_EQ(found[2].weights, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(found[2].barycentric, (std::array<double, 3>{1, 0, 0}));
   EXPECT_EQ(found[3].distance, 0);
 }
 
@@ -88,12 +88,13 @@ TEST(ClosestPoints, OfEquallyNearTrianglesTheLowest) {
 TEST(ClosestPoints, AreTheSameForAnyNumberOfThreads) {
   const Mesh mesh = testing::random_soup(14, 300, 4, 1);
   const std::vector<Vec3> points = points_around(5, 500, 6);
-  const auto one = closest_points(mesh, points, {.threads = 1}), many = closest_points(mesh, points, {.threads = 7});
+  const auto one = closest_points(mesh, points, {.execution = {.threads = 1}}),
+             many = closest_points(mesh, points, {.execution = {.threads = 7}});
   for (std::size_t n = 0; n < points.size(); ++n) {
     EXPECT_EQ(one[n].distance, many[n].distance);
     EXPECT_EQ(one[n].point, many[n].point);
     EXPECT_EQ(one[n].triangle, many[n].triangle);
-    EXPECT_EQ(one[n].weights, many[n].weights);
+    EXPECT_EQ(one[n].barycentric, many[n].barycentric);
   }
 }
 

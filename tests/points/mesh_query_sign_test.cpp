@@ -273,7 +273,7 @@ TEST(MeshQuerySign, ShellsAndNone) {
   inverted.invert = true;
   EXPECT_EQ(ask(MeshQuery(mesh, {.sign = shell}), points), (std::vector<double>{-0.5, -0.25, 2.5, 0}));
   EXPECT_EQ(ask(MeshQuery(mesh, {.sign = inverted}), points), (std::vector<double>{0.5, 0.25, -2.5, 0}));
-  EXPECT_EQ(ask(MeshQuery(mesh), points), (std::vector<double>{0, 0.25, 3, 0.5}));
+  EXPECT_EQ(ask(MeshQuery(mesh, {.sign = {SignMethod::none}}), points), (std::vector<double>{0, 0.25, 3, 0.5}));
 }
 
 TEST(MeshQuerySign, SheetsHaveNone) {
@@ -283,7 +283,7 @@ TEST(MeshQuerySign, SheetsHaveNone) {
   EXPECT_FALSE(query.sign().sure);
   EXPECT_NE(query.sign().why.find("sheet"), std::string::npos) << query.sign().why;
   const std::vector<Vec3> points = points_around(10, 500, 60);
-  EXPECT_EQ(ask(query, points), ask(MeshQuery(sheet), points));
+  EXPECT_EQ(ask(query, points), ask(MeshQuery(sheet, {.sign = {SignMethod::none}}), points));
   expect_error([&] { MeshQuery(sheet, {.sign = {.method = SignMethod::automatic, .strict = true}}); }, ErrorCode::doubt,
                "sheet");
   expect_error([&] { MeshQuery(sheet, {.sign = by(SignMethod::flood)}); }, ErrorCode::usage, "grid");
@@ -299,7 +299,7 @@ TEST(MeshQuerySign, TheSidesOfAGridsSamples) {
     const Box box = bounds(mesh);
     const double spacing = box.longest_side() / 24;
     Grid grid{{29, 29, 29}, box.min - Vec3{1, 1, 1} * (2 * spacing), {spacing, spacing, spacing}};
-    const Occupancy samples = occupancy(mesh, grid, sign);
+    const Occupancy samples = occupancy(mesh, grid, {.sign = sign});
     std::vector<Vec3> points;
     std::vector<bool> inside;
     for (std::int64_t k = 0; k < 29; ++k)

@@ -52,7 +52,7 @@ Nearest nearest_of_all(const Mesh& mesh, Vec3 p, double extent) {
 
 std::vector<ClosestPoint> ask(const MeshQuery& query, std::span<const Vec3> points, const Execution& execution = {}) {
   std::vector<ClosestPoint> found(points.size());
-  query.closest(points, found, execution);
+  query.closest(points, found, {.execution = execution});
   return found;
 }
 
@@ -63,11 +63,11 @@ void expect_consistent(const Mesh& mesh, Vec3 p, const ClosestPoint& it, double 
   double sum = 0;
   int zeros = 0;
   for (int k = 0; k < 3; ++k) {
-    EXPECT_GE(it.weights[k], 0);
-    EXPECT_LE(it.weights[k], 1);
-    sum += it.weights[k];
-    zeros += it.weights[k] == 0;
-    weighed = weighed + (mesh.vertices[mesh.triangles[it.triangle][k]] - p) * it.weights[k];
+    EXPECT_GE(it.barycentric[k], 0);
+    EXPECT_LE(it.barycentric[k], 1);
+    sum += it.barycentric[k];
+    zeros += it.barycentric[k] == 0;
+    weighed = weighed + (mesh.vertices[mesh.triangles[it.triangle][k]] - p) * it.barycentric[k];
   }
   EXPECT_NEAR(sum, 1, 1e-15);
   EXPECT_LE(max_norm(weighed - (it.point - p)), rounding);
@@ -75,9 +75,9 @@ void expect_consistent(const Mesh& mesh, Vec3 p, const ClosestPoint& it, double 
   if (it.feature == Feature::face) {
     EXPECT_EQ(zeros, 0);
   } else if (it.feature >= Feature::vertex0) {
-    EXPECT_EQ(it.weights[feature - static_cast<int>(Feature::vertex0)], 1);
+    EXPECT_EQ(it.barycentric[feature - static_cast<int>(Feature::vertex0)], 1);
   } else {
-    EXPECT_EQ(it.weights[(feature - edge + 2) % 3], 0) << "of the corner that the edge does not have";
+    EXPECT_EQ(it.barycentric[(feature - edge + 2) % 3], 0) << "of the corner that the edge does not have";
   }
 }
 
@@ -85,7 +85,7 @@ void expect_consistent(const Mesh& mesh, Vec3 p, const ClosestPoint& it, double 
 // many points it is applied to, as it is slow.
 void expect_exact(const Mesh& mesh, std::span<const Vec3> points, double share = 1e-13, std::size_t few = 50) {
   const Box box = bounds(mesh);
-  const MeshQuery query(mesh);
+  const MeshQuery query(mesh, {.sign = {SignMethod::none}});
   const std::vector<ClosestPoint> found = ask(query, points);
   std::vector<double> distances(points.size(), -1);
   query.distances(points, distances);
@@ -249,7 +249,7 @@ void expect_same(std::span<const ClosestPoint> a, std::span<const ClosestPoint> 
     EXPECT_EQ(a[n].point, b[n].point) << n;
     EXPECT_EQ(a[n].triangle, b[n].triangle) << n;
     EXPECT_EQ(a[n].feature, b[n].feature) << n;
-    EXPECT_EQ(a[n].weights, b[n].weights) << n;
+    EXPECT_EQ(a[n].barycentric, b[n].barycentric) << n;
     if (::testing::Test::HasFailure()) return;
   }
 }
@@ -259,16 +259,19 @@ TEST(MeshQuery, TheSameBitsForAnyBatchThreadsAndInstructionSet) {
   std::vector<Vec3> points = points_around(11, 9000, 6);
   std::ranges::copy(points_on(mesh), std::back_inserter(points));
   points.push_back({1e9, 0, 0});
-  const MeshQuery query(mesh);
+  const MeshQuery query(mesh, {.sign = {SignMethod::none}});
   const std::vector<ClosestPoint> once = ask(query, points);
   for (const int threads : {1, 7}) {
     SCOPED_TRACE(threads);
-    expect_same(ask(MeshQuery(mesh, {.execution = {.threads = threads}}), points, {.threads = threads}), once);
+    expect_same(ask(MeshQuery(mesh, {.sign = {SignMethod::none}, .execution = {.threads = threads}}), points,
+                    {.threads = threads}),
+                once);
   }
   for (const Simd simd : {Simd::portable, Simd::avx2, Simd::avx512}) {
     if (simd != Simd::portable && !processor_has(simd)) continue;
     SCOPED_TRACE(static_cast<int>(simd));
-    expect_same(ask(MeshQuery(mesh, {.execution = {.simd = simd}}), points, {.simd = simd}), once);
+    expect_same(ask(MeshQuery(mesh, {.sign = {SignMethod::none}, .execution = {.simd = simd}}), points, {.simd = simd}),
+                once);
   }
   const std::span<const Vec3> all(points);
   std::vector<ClosestPoint> parts;
@@ -289,7 +292,7 @@ TEST(MeshQuery, TheLowestIndexAtSharedEdgesAndCorners) {
     const Vec3 a = sphere.vertices[t[0]], b = sphere.vertices[t[1]];
     points.insert(points.end(), {a * 1.7, (a + b) * 0.9, (a * 0.3 + b * 0.7) * 2.0});
   }
-  const std::vector<ClosestPoint> found = ask(MeshQuery(sphere), points);
+  const std::vector<ClosestPoint> found = ask(MeshQuery(sphere, {.sign = {SignMethod::none}}), points);
   for (std::size_t n = 0; n < points.size(); ++n) {
     ASSERT_NE(found[n].feature, Feature::face);
     const auto has = [&](const Triangle& t, std::uint32_t v) { return std::ranges::count(t, v) > 0; };

@@ -24,9 +24,9 @@ void for_each_question(const MeshQuery& query, std::span<const Vec3> points, std
                        const Execution& execution, const ProgressCallback& progress, const Check& check) {
   std::vector<double> numbers(answers);
   std::vector<ClosestPoint> closest(answers);
-  check([&] { query.distances(points, numbers, execution, progress); });
-  check([&] { query.closest(points, closest, execution, progress); });
-  check([&] { query.winding_numbers(points, numbers, execution, progress); });
+  check([&] { query.distances(points, numbers, {.execution = execution, .progress = progress}); });
+  check([&] { query.closest(points, closest, {.execution = execution, .progress = progress}); });
+  check([&] { query.winding_numbers(points, numbers, {.execution = execution, .progress = progress}); });
 }
 
 MeshQuery signed_query(const Mesh& mesh) { return MeshQuery(mesh, {.sign = {.method = SignMethod::winding}}); }
@@ -66,7 +66,8 @@ TEST(MeshQueryUse, Executions) {
        {Execution{.threads = -1}, {.threads = 1025}, {.device = -1}, {.simd = static_cast<Simd>(9)}}) {
     for_each_question(query, points, 3, execution, {},
                       [](auto call) { expect_error(call, ErrorCode::usage, "points"); });
-    expect_error([&] { MeshQuery(mesh, {.execution = execution}); }, ErrorCode::usage, "points");
+    expect_error([&] { MeshQuery(mesh, {.sign = {SignMethod::none}, .execution = execution}); }, ErrorCode::usage,
+                 "points");
   }
 }
 
@@ -75,7 +76,7 @@ TEST(MeshQueryUse, Meshes) {
   out_of_range.triangles[3][1] = 8;
   not_finite.vertices[4].y = kNaN;
   beyond.vertices[4].y = 2e150;
-  expect_error([&] { MeshQuery(Mesh{}); }, ErrorCode::input, "triangle");
+  expect_error([&] { MeshQuery(Mesh{}, {.sign = {SignMethod::none}}); }, ErrorCode::input, "triangle");
   expect_error([&] { MeshQuery{out_of_range}; }, ErrorCode::input, "triangle 3");
   expect_error([&] { MeshQuery{not_finite}; }, ErrorCode::input, "finite");
   expect_error([&] { MeshQuery{beyond}; }, ErrorCode::limit, "beyond");
@@ -150,7 +151,7 @@ TEST(MeshQueryUse, SaysWhatItTakes) {
   const Mesh mesh = scenes::make("sphere", 20000);
   const double triangles = static_cast<double>(mesh.triangles.size());
   const double of_mesh = static_cast<double>(mesh.vertices.size() * sizeof(Vec3)) + triangles * sizeof(Triangle);
-  const double more = static_cast<double>(MeshQuery(mesh).memory_bytes()) - of_mesh;
+  const double more = static_cast<double>(MeshQuery(mesh, {.sign = {SignMethod::none}}).memory_bytes()) - of_mesh;
   EXPECT_GT(more, 100 * triangles);
   EXPECT_LT(more, 200 * triangles);
 }

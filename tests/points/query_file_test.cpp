@@ -32,7 +32,7 @@ std::vector<std::uint64_t> bits_of(const MeshQuery& query) {
   query.closest(points, closest);
   std::vector<std::uint64_t> bits;
   for (const ClosestPoint& at : closest) {
-    for (const double x : {at.distance, at.point.x, at.point.y, at.point.z, at.weights[0], at.weights[1]})
+    for (const double x : {at.distance, at.point.x, at.point.y, at.point.z, at.barycentric[0], at.barycentric[1]})
       bits.push_back(std::bit_cast<std::uint64_t>(x));
     bits.push_back(at.triangle * 16 + static_cast<std::uint64_t>(at.feature));
   }
@@ -75,7 +75,7 @@ std::vector<std::pair<Mesh, SignOptions>> cases() {
 
 std::string bytes_of(const MeshQuery& query) {
   const TempFolder folder;
-  write_query(folder / "a.query", query);
+  query.save(folder / "a.query");
   return read_text(folder / "a.query");
 }
 
@@ -84,8 +84,8 @@ TEST(QueryFile, AnswersAsBefore) {
   for (const auto& [mesh, sign] : cases()) {
     SCOPED_TRACE(name_of(sign.method));
     const MeshQuery query(mesh, {.sign = sign});
-    write_query(folder / "a.query", query);
-    const MeshQuery again = read_query(folder / "a.query");
+    query.save(folder / "a.query");
+    const MeshQuery again = MeshQuery::load(folder / "a.query");
     EXPECT_EQ(bits_of(again), bits_of(query));
     const SignReport &a = query.sign(), &b = again.sign();
     EXPECT_EQ(std::tie(a.method, a.why, a.sure, a.flipped, a.left_out, a.boundary_edges, a.internal, a.cut),

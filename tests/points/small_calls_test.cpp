@@ -66,7 +66,7 @@ bool same(const ClosestPoint& a, const ClosestPoint& b) {
   bool is = bits(a.distance) == bits(b.distance) && bits(a.point.x) == bits(b.point.x) &&
             bits(a.point.y) == bits(b.point.y) && bits(a.point.z) == bits(b.point.z) && a.triangle == b.triangle &&
             a.feature == b.feature;
-  for (std::size_t k = 0; k < 3; ++k) is = is && bits(a.weights[k]) == bits(b.weights[k]);
+  for (std::size_t k = 0; k < 3; ++k) is = is && bits(a.barycentric[k]) == bits(b.barycentric[k]);
   return is;
 }
 
@@ -75,7 +75,7 @@ void expect_same_answers(const MeshQuery& query, std::span<const Vec3> points) {
   std::vector<ClosestPoint> at_once(points.size()), some(points.size()), portable(points.size());
   std::vector<double> distances(points.size());
   query.closest(points, at_once);
-  query.closest(points, portable, {.simd = Simd::portable});
+  query.closest(points, portable, {.execution = {.simd = Simd::portable}});
   for (std::size_t n = 0; n < points.size(); ++n)
     ASSERT_TRUE(same(portable[n], at_once[n])) << "point " << n << " with portable kernels";
   query.distances(points, distances);
@@ -97,7 +97,7 @@ void expect_same_answers(const MeshQuery& query, std::span<const Vec3> points) {
 
 void expect_same_answers(const Mesh& mesh, unsigned seed) {
   const std::vector<Vec3> points = nasty_points(mesh, seed, 1200);
-  expect_same_answers(MeshQuery(mesh), points);
+  expect_same_answers(MeshQuery(mesh, {.sign = {SignMethod::none}}), points);
   expect_same_answers(MeshQuery(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}}), points);
 }
 
@@ -139,7 +139,7 @@ TEST(SmallCalls, OfSeveralMeshesInTurns) {
 
 // A callback may ask the query that calls it.
 TEST(SmallCalls, InACallback) {
-  const MeshQuery query(scenes::make("sphere", 2000));
+  const MeshQuery query(scenes::make("sphere", 2000), {.sign = {SignMethod::none}});
   Random random(4);
   std::vector<Vec3> points;
   for (int n = 0; n < 100; ++n) points.push_back(random.in_cube(2));
@@ -147,10 +147,10 @@ TEST(SmallCalls, InACallback) {
   query.distances(points, expected);
   for (const std::size_t count : {std::size_t{10}, points.size()}) {
     const std::span<const Vec3> some = std::span(points).last(count);
-    query.distances(some, std::span(found).last(count), {}, [&](const Progress&) {
-      query.distances(points, inner);
-      return true;
-    });
+    query.distances(some, std::span(found).last(count), {.progress = [&](const Progress&) {
+                      query.distances(points, inner);
+                      return true;
+                    }});
     EXPECT_TRUE(std::equal(expected.end() - static_cast<std::ptrdiff_t>(count), expected.end(),
                            found.end() - static_cast<std::ptrdiff_t>(count)));
     EXPECT_EQ(inner, expected);
@@ -169,7 +169,7 @@ TEST(WindingNumbers, OfSoups) {
   for (int n = 0; n < 20; ++n) points.push_back(random.in_cube(1e5));
   std::vector<double> numbers(points.size()), portable(points.size());
   query.winding_numbers(points, numbers);
-  query.winding_numbers(points, portable, {.threads = 1, .simd = Simd::portable});
+  query.winding_numbers(points, portable, {.execution = {.threads = 1, .simd = Simd::portable}});
   EXPECT_EQ(numbers, portable);
   for (std::size_t n = 0; n < points.size(); ++n)
     EXPECT_NEAR(numbers[n], winding_by_angles({mesh}, points[n]).value, 1e-9) << n;

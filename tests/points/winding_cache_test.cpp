@@ -78,7 +78,7 @@ TEST(WindingCache, OnRow) {
     WindingCache known(rays, kernels());
     const std::vector<Vec3> points = points_around(2);
     std::vector<double> free(points.size());
-    MeshQuery(mesh).distances(points, free);
+    MeshQuery(mesh, {.sign = {SignMethod::none}}).distances(points, free);
     const auto by_ray = [&](const Vec3& at) { return rays.at(at, kernels()); };
     EXPECT_EQ(known.on_row(points[0], none), kNone);
     int found = 0, different = 0;

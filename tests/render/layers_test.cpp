@@ -38,7 +38,9 @@ TEST(Layers, TakeNoMoreThanWasSaidAndNotMuchLess) {
   const std::vector<Vec3> points = spiral(500);
   const std::vector<double> values(points.size(), 1);
   const DistanceField field =
-      compute(scenes::make("sphere", 2000), Grid{{24, 24, 24}, {-1.2, -1.2, -1.2}, {0.1, 0.1, 0.1}}, 0.2).field;
+      compute(scenes::make("sphere", 2000), Grid{{24, 24, 24}, {-1.2, -1.2, -1.2}, {0.1, 0.1, 0.1}}, 0.2,
+              {.sign = {SignMethod::none}})
+          .field;
   for (const double radius : {0.0, 0.002, 0.02, 0.2})
     for (const bool colored : {false, true})
       for (int layer = 0; layer < 3; ++layer) {

@@ -66,8 +66,8 @@ TEST(Picture, HasTheSizeAskedForAndAMargin) {
 // All layers at once, on one thread and on several; tiles and chunks are drawn in any order.
 TEST(Picture, ThreadsDoNotMatter) {
   const Mesh mesh = scenes::make("box", 12);
-  const Grid grid = fit_samples(bounds(mesh), 24);
-  ComputeOptions how;
+  const Grid grid = fit_resolution(bounds(mesh), 24);
+  ComputeOptions how{.sign = {SignMethod::none}};
   how.sign.method = SignMethod::automatic;
   const DistanceField field = compute(mesh, grid, 4 * grid.max_spacing(), how).field;
   const std::vector<Vec3> points(mesh.vertices);
@@ -208,8 +208,8 @@ TEST(Picture, ShadowsFallOnTheFloor) {
 
 TEST(Picture, SlicesShowTheFieldAndCutMeshes) {
   const Mesh mesh = scenes::make("box", 12);
-  const Grid grid = fit_samples(bounds(mesh), 32);
-  const DistanceField field = compute(mesh, grid, kFullField).field;
+  const Grid grid = fit_resolution(bounds(mesh), 32);
+  const DistanceField field = compute(mesh, grid, kFullField, {.sign = {SignMethod::none}}).field;
   Drawing drawing;
   drawing.meshes = {{.mesh = mesh}};
   PictureOptions options = small_picture(0, 0);

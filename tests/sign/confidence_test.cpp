@@ -21,13 +21,13 @@ const Grid kConfidenceGrid{{20, 18, 16}, {-1.31, -1.27, -1.23}, {0.137, 0.149, 0
 SignConfidence confidence_of(const Mesh& mesh, SignMethod method) {
   const SignOptions sign{.method = method};
   const DistanceField field = compute(mesh, kConfidenceGrid, 0.4, {.sign = sign}).field;
-  return sign_confidence(mesh, field, winding_margins(mesh, kConfidenceGrid, sign));
+  return sign_confidence(mesh, field, winding_margins(mesh, kConfidenceGrid, {.sign = sign}));
 }
 
 TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
   Mesh holes = testing::sphere(8);
   for (const std::size_t triangle : {150, 90, 91, 30, 3}) holes = testing::without(holes, triangle);
-  const std::vector<float> margins = winding_margins(holes, kConfidenceGrid, {.as_oriented = true});
+  const std::vector<float> margins = winding_margins(holes, kConfidenceGrid, {.sign = {.as_oriented = true}});
   ASSERT_EQ(margins.size(), 20u * 18 * 16);
   double least = 1, off = 0;
   for (std::int64_t k = 0; k < 16; ++k)
@@ -69,7 +69,7 @@ TEST(Confidence, OfHalfABallIsSmall) {
 
 TEST(Confidence, MarginsOfAnotherGrid) {
   const Mesh ball = testing::sphere(8);
-  const DistanceField field = compute(ball, kConfidenceGrid, 0.4).field;
+  const DistanceField field = compute(ball, kConfidenceGrid, 0.4, {.sign = {SignMethod::none}}).field;
   expect_error([&] { sign_confidence(ball, field, std::vector<float>(3)); }, ErrorCode::usage, "a margin for each");
 }
 

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "scenes/scenes.h"
-#include "standoff/hermite.h"
+#include "standoff/crossings.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
@@ -63,7 +63,8 @@ TEST(EdgeCrossings, OfSimpleEdgesAsIntegersTell) {
     Random random(seed);
     const Mesh mesh = testing::mesh_of(testing::integer_tetrahedra(random, 4, 5));
     std::map<std::tuple<Sample, int, std::uint32_t>, EdgeCrossing> found;
-    for (const EdgeCrossing& c : edge_crossings(mesh, grid)) found[{c.sample, c.axis, c.triangle}] = c;
+    for (const EdgeCrossing& c : edge_crossings(mesh, grid, {.sign = {SignMethod::none}}))
+      found[{c.sample, c.axis, c.triangle}] = c;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::array<Vec3, 3> corners = MeshView(mesh).corners(t);
       for_each_edge(grid, [&](const Sample& sample, int axis) {
@@ -98,7 +99,7 @@ TEST(EdgeCrossings, AddUpToWindingNumbers) {
     Random random(seed);
     const auto solids = testing::integer_tetrahedra(random, 3, 5);
     std::map<Edge, int> step;
-    for (const EdgeCrossing& c : edge_crossings(testing::mesh_of(solids), grid))
+    for (const EdgeCrossing& c : edge_crossings(testing::mesh_of(solids), grid, {.sign = {SignMethod::none}}))
       step[{c.sample, c.axis}] += c.enters ? 1 : -1;
     for_each_edge(grid, [&](const Sample& sample, int axis) {
       const auto here = testing::known_winding(solids, at(grid, sample)),
@@ -117,14 +118,14 @@ TEST(EdgeCrossings, FarAwayAndStretched) {
   Random random(5);
   const Mesh mesh = testing::mesh_of(testing::integer_tetrahedra(random, 6, 5));
   const Grid grid{{23, 11, 45}, {-5.5, -5, -5.5}, {0.5, 1, 0.25}};
-  const auto near = edge_crossings(mesh, grid);
+  const auto near = edge_crossings(mesh, grid, {.sign = {SignMethod::none}});
   EXPECT_GT(near.size(), 1000);
   for (const double scale : {1.0, 0x1p-200, 0x1p200}) {
     const Vec3 shift = scale == 1 ? Vec3{0x1p40, -0x1p41, 0x1p39} : Vec3{};
     Mesh moved = mesh;
     for (Vec3& v : moved.vertices) v = v * scale + shift;
     const Grid to{grid.size, grid.origin * scale + shift, grid.spacing * scale};
-    const auto far = edge_crossings(moved, to);
+    const auto far = edge_crossings(moved, to, {.sign = {SignMethod::none}});
     ASSERT_EQ(far.size(), near.size());
     for (std::size_t n = 0; n < near.size(); ++n) {
       EXPECT_EQ(far[n].sample, near[n].sample);
@@ -143,7 +144,7 @@ TEST(EdgeCrossings, SamplesOnTheSurface) {
   const Grid grid{{7, 7, 7}, {-1, -1, -1}};
   // Samples count as if they were moved by less than anything towards larger coordinates: those from 0 to 3 are inside.
   std::map<Edge, int> count;
-  for (const EdgeCrossing& c : edge_crossings(box, grid)) {
+  for (const EdgeCrossing& c : edge_crossings(box, grid, {.sign = {SignMethod::none}})) {
     EXPECT_TRUE(c.place == 0 || c.place == 1);
     EXPECT_EQ(c.enters, c.sample[c.axis] == 0);
     const double along = c.axis == 0 ? c.normal.x : c.axis == 1 ? c.normal.y : c.normal.z;
@@ -160,7 +161,7 @@ TEST(EdgeCrossings, NeedlesAndTrianglesWithoutArea) {
   const Mesh mesh{{{0, 0, 0}, {8, 0, 0}, {4, thin, thin}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}},
                   {{0, 1, 2}, {3, 4, 5}, {3, 3, 3}, {0, 1, 0}}};
   const Grid grid{{9, 2, 2}, {0.5, thin / 4, -0.5}};
-  const auto found = edge_crossings(mesh, grid);
+  const auto found = edge_crossings(mesh, grid, {.sign = {SignMethod::none}});
   ASSERT_GT(found.size(), 2u);
   for (const EdgeCrossing& c : found) {
     EXPECT_EQ(c.triangle, 0u);
@@ -173,9 +174,9 @@ TEST(EdgeCrossings, NeedlesAndTrianglesWithoutArea) {
 
 TEST(EdgeCrossings, GridsOfOneSampleHaveNoEdges) {
   const Mesh box = testing::box({0, 0, 0}, {4, 4, 4});
-  EXPECT_TRUE(edge_crossings(box, {{1, 1, 1}, {0, 0, 0}}).empty());
-  EXPECT_TRUE(edge_crossings(box, {{5, 5, 5}, {100, 100, 100}}).empty());
-  const auto column = edge_crossings(box, {{1, 1, 9}, {1.5, 1.25, -2}});
+  EXPECT_TRUE(edge_crossings(box, {{1, 1, 1}, {0, 0, 0}}, {.sign = {SignMethod::none}}).empty());
+  EXPECT_TRUE(edge_crossings(box, {{5, 5, 5}, {100, 100, 100}}, {.sign = {SignMethod::none}}).empty());
+  const auto column = edge_crossings(box, {{1, 1, 9}, {1.5, 1.25, -2}}, {.sign = {SignMethod::none}});
   ASSERT_EQ(column.size(), 2u);
   EXPECT_EQ(column[0].sample, (Sample{0, 0, 1}));
   EXPECT_TRUE(column[0].enters);
@@ -193,9 +194,9 @@ TEST(EdgeCrossings, InTheOrientationOfTheSign) {
       ++(dot(c.normal, c.position(grid) - Vec3{2, 2, 2}) > 0 ? out : in);
     return std::pair(out, in);
   };
-  const auto [none, inwards] = outwards({});
+  const auto [none, inwards] = outwards({.sign = {SignMethod::none}});
   EXPECT_EQ(none, 0);
-  const auto [out, in] = outwards({.sign = {.method = SignMethod::automatic}});
+  const auto [out, in] = outwards({});
   EXPECT_EQ(in, 0);
   EXPECT_EQ(out, 3 * 2 * 16);
   EXPECT_LT(out, inwards);  // of the copy
@@ -214,14 +215,14 @@ TEST(EdgeCrossings, OfTheOuterSurface) {
 
 TEST(EdgeCrossings, SortedAndTheSameForAnyThreads) {
   const Mesh mesh = scenes::make("sphere", 3000);
-  const Grid grid = fit_samples(bounds(mesh), 60);
-  const auto one = edge_crossings(mesh, grid, {.execution = {.threads = 1}});
+  const Grid grid = fit_resolution(bounds(mesh), 60);
+  const auto one = edge_crossings(mesh, grid, {.sign = {SignMethod::none}, .execution = {.threads = 1}});
   EXPECT_GT(one.size(), 10000u);
   const auto key = [](const EdgeCrossing& c) {
     return std::tuple(c.sample[2], c.sample[1], c.sample[0], c.axis, c.place, c.triangle);
   };
   EXPECT_TRUE(std::ranges::is_sorted(one, {}, key));
-  const auto many = edge_crossings(mesh, grid, {.execution = {.threads = 5}});
+  const auto many = edge_crossings(mesh, grid, {.sign = {SignMethod::none}, .execution = {.threads = 5}});
   ASSERT_EQ(one.size(), many.size());
   for (std::size_t n = 0; n < one.size(); ++n) {
     EXPECT_EQ(key(one[n]), key(many[n]));
@@ -237,7 +238,6 @@ TEST(EdgeCrossings, Errors) {
   const auto fails = [&](ErrorCode code, const std::string& words, const EdgeCrossingOptions& options,
                          const Mesh& mesh) { expect_error([&] { edge_crossings(mesh, grid, options); }, code, words); };
   fails(ErrorCode::limit, "memory limit", {.memory_limit = 100000}, box);
-  fails(ErrorCode::usage, "memory limit", {.memory_limit = -1}, box);
   fails(ErrorCode::usage, "shell", {.sign = {.method = SignMethod::shell, .shell = 1}}, box);
   fails(ErrorCode::limit, "scale them down", {}, testing::box({0, 0, 0}, {1e101, 1, 1}));
   fails(ErrorCode::input, "not closed", {.sign = {.method = SignMethod::parity}}, open);

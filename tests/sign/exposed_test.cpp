@@ -23,7 +23,7 @@ using namespace testing;
 constexpr SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 
 std::vector<Exposure> classes(const Mesh& mesh, const SignOptions& sign = kAsItIs) {
-  return exposed_triangles(mesh, sign).of;
+  return exposed_triangles(mesh, {.sign = sign}).of;
 }
 
 bool is_inside(int winding, WindingRule rule) {
@@ -100,7 +100,7 @@ TEST(Exposed, ASolidInASolidIsInternalUnlessTheRuleSaysOtherwise) {
   for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd}) {
     SignOptions sign = kAsItIs;
     sign.rule = rule;
-    const ExposedTriangles found = exposed_triangles(mesh, sign);
+    const ExposedTriangles found = exposed_triangles(mesh, {.sign = sign});
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       EXPECT_EQ(found.of[t], t < first || rule == WindingRule::odd ? Exposure::exposed : Exposure::internal);
   }
@@ -147,7 +147,7 @@ TEST(Exposed, AWallThatTwoBoxesShareIsInternalWhateverItsTriangles) {
       for (const bool other : {false, true}) {
         const Mesh left = fine_box({0, 0, 0}, {1, 1, 1}, m), right = fine_box({1, 0, 0}, {2, 1, 1}, n, other),
                    mesh = joined(left, right);
-        const ExposedTriangles found = exposed_triangles(mesh, kAsItIs);
+        const ExposedTriangles found = exposed_triangles(mesh, {.sign = kAsItIs});
         EXPECT_EQ(found.internal, 2 * (m * m + n * n)) << m << ' ' << n << ' ' << other;
         EXPECT_EQ(found.cut, 0);
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -160,7 +160,7 @@ TEST(Exposed, AWallThatTwoBoxesShareIsInternalWhateverItsTriangles) {
 
 TEST(Exposed, ABoxOnALargerOne) {
   const Mesh base = fine_box({0, 0, 0}, {5, 5, 1}, 5), tower = fine_box({1.5, 1.5, 1}, {3.5, 3.5, 4}, 3);
-  const ExposedTriangles found = exposed_triangles(joined(base, tower), kAsItIs);
+  const ExposedTriangles found = exposed_triangles(joined(base, tower), {.sign = kAsItIs});
   // The tower's lower side is covered by 3 x 3 squares of the base, of which the middle one is covered by it.
   EXPECT_EQ(found.internal, 2 * 9 + 2);
   // Of the 16 triangles of the squares around that one, two in corners only touch the tower.
@@ -177,10 +177,10 @@ TEST(Exposed, WallsWithinRoundingOfEachOtherAreKept) {
       return mesh;
     };
     const Mesh mesh = joined(turned(box()), turned(box({1, 0.25, 0.25}, {2, 0.75, 0.75})));
-    const ExposedTriangles found = exposed_triangles(mesh, kAsItIs);
+    const ExposedTriangles found = exposed_triangles(mesh, {.sign = kAsItIs});
     for (std::size_t t = 0; t < 12; ++t) EXPECT_NE(found.of[t], Exposure::internal) << angle << ' ' << t;
     // Walls with the same corners are the same, however they are turned.
-    EXPECT_EQ(exposed_triangles(turned(joined(box(), box({1, 0, 0}, {2, 1, 1}))), kAsItIs).internal, 4);
+    EXPECT_EQ(exposed_triangles(turned(joined(box(), box({1, 0, 0}, {2, 1, 1}))), {.sign = kAsItIs}).internal, 4);
   }
 }
 
@@ -195,9 +195,9 @@ TEST(Exposed, TrianglesWithoutAreaAreWhatIsAroundThem) {
   inner.triangles.push_back({middle, b, c});
   inner.triangles.push_back({a, b, middle});
   inner.triangles.push_back({a, a, b});
-  const ExposedTriangles alone = exposed_triangles(inner, kAsItIs);
+  const ExposedTriangles alone = exposed_triangles(inner, {.sign = kAsItIs});
   EXPECT_EQ(alone.internal, 0);
-  const ExposedTriangles found = exposed_triangles(joined(inner, moved(sphere(), {}, 3)), kAsItIs);
+  const ExposedTriangles found = exposed_triangles(joined(inner, moved(sphere(), {}, 3)), {.sign = kAsItIs});
   EXPECT_EQ(found.internal, static_cast<std::int64_t>(inner.triangles.size()));
 }
 
@@ -213,8 +213,9 @@ TEST(Exposed, CopiesThatAreLeftOutAreClassifiedToo) {
 
 TEST(Exposed, DoesNotDependOnTheThreadsOrTheOrder) {
   const Mesh mesh = random_spheres(6, 30, 0.3), other = shuffled(mesh, 7);
-  const ExposedTriangles one = exposed_triangles(mesh, kAsItIs, {.threads = 1}),
-                         three = exposed_triangles(mesh, kAsItIs, {.threads = 3}), again = exposed_triangles(other);
+  const ExposedTriangles one = exposed_triangles(mesh, {.sign = kAsItIs, .execution = {.threads = 1}}),
+                         three = exposed_triangles(mesh, {.sign = kAsItIs, .execution = {.threads = 3}}),
+                         again = exposed_triangles(other);
   EXPECT_EQ(one.of, three.of);
   EXPECT_EQ(one.internal, again.internal);
   EXPECT_EQ(one.cut, again.cut);
@@ -230,7 +231,7 @@ TEST(Exposed, FarFromTheOriginAndScaled) {
 TEST(Exposed, OpenMeshesAndOtherMethodsAreErrors) {
   const auto code = [](const Mesh& mesh, const SignOptions& sign) {
     try {
-      exposed_triangles(mesh, sign);
+      exposed_triangles(mesh, {.sign = sign});
     } catch (const Error& error) {
       return error.code();
     }
@@ -240,7 +241,8 @@ TEST(Exposed, OpenMeshesAndOtherMethodsAreErrors) {
   EXPECT_EQ(code(terrain(), {.method = SignMethod::automatic}), ErrorCode::input);
   EXPECT_EQ(code(terrain(), {.method = SignMethod::winding}), ErrorCode::input);
   EXPECT_EQ(code(sphere(), {.method = SignMethod::flood}), ErrorCode::usage);
-  EXPECT_EQ(code(sphere(), {}), ErrorCode::usage);
+  EXPECT_EQ(code(sphere(), {SignMethod::none}), ErrorCode::usage);
+  EXPECT_EQ(code(sphere(), {}), ErrorCode{}) << "automatic is the default";
 }
 
 }  // namespace

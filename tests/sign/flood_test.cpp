@@ -122,7 +122,7 @@ TEST(Flood, AgreesWithTheWindingNumberOfSolids) {
     EXPECT_EQ(flood(mesh, grid).inside, winding(mesh, grid)) << seed;
   }
   const Mesh sphere = scenes::make("sphere", 2000);
-  const Grid grid = fit_samples(bounds(sphere), 60);
+  const Grid grid = fit_resolution(bounds(sphere), 60);
   const Flooded flooded = flood(sphere, grid);
   EXPECT_EQ(flooded.inside, winding(sphere, grid));
   EXPECT_GT(flooded.count, 5000);

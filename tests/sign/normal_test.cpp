@@ -25,9 +25,9 @@ using testing::Tetrahedron;
 using NormalPlace = Pseudonormals::Place;
 
 ComputeOptions by(SignMethod method, bool nearest = false) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = method;
-  options.nearest_triangle = nearest;
+  options.nearest = nearest;
   return options;
 }
 
@@ -131,7 +131,7 @@ TEST(NormalSign, OfSolidsIsThatOfTheWindingNumber) {
           << seed << ", " << thickness;
   }
   const Mesh sphere = scenes::make("sphere", 3000);
-  const Grid grid = fit_samples(bounds(sphere), 70);
+  const Grid grid = fit_resolution(bounds(sphere), 70);
   for (const double thickness : {0.3 * grid.spacing.x, 2 * grid.spacing.x})
     EXPECT_EQ(wrong_signs(compute(sphere, grid, thickness, by(SignMethod::normal)).field,
                           compute(sphere, grid, thickness, by(SignMethod::winding)).field),
@@ -259,7 +259,7 @@ TEST(NormalSign, SparseAndDenseWithAndWithoutNearestTriangles) {
   const Mesh mesh = terrain(9);  // open, and its band ends within the grid
   const Grid grid{{37, 35, 34}, {-3.6, -3.4, -3.3}, {0.2, 0.2, 0.2}};
   for (const double thickness : {1e-5, 0.07, 0.5, kFullField}) {
-    const DistanceField plain = compute(mesh, grid, thickness).field;
+    const DistanceField plain = compute(mesh, grid, thickness, {.sign = {SignMethod::none}}).field;
     const DistanceField with = compute(mesh, grid, thickness, by(SignMethod::normal, true)).field;
     DistanceField without = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
     EXPECT_TRUE(with.has_nearest());

@@ -105,7 +105,7 @@ Mesh without(Mesh mesh, const IsOff& is_off) {
   return mesh;
 }
 
-Grid grid_of(const Mesh& mesh, std::int64_t samples) { return fit_samples(bounds(mesh), samples); }
+Grid grid_of(const Mesh& mesh, std::int64_t samples) { return fit_resolution(bounds(mesh), samples); }
 
 TEST(OpenWinding, TrianglesRemovedAtRandom) {
   for (const double share : {0.01, 0.1, 0.5}) {

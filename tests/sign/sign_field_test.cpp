@@ -72,7 +72,7 @@ TEST(RowsOfTiles, EachComesOnce) {
 
 // How many values have the wrong sign or another magnitude than without one.
 std::int64_t wrong_values(const Mesh& mesh, const Grid& grid, double thickness, const DistanceField& field) {
-  ComputeOptions unsigned_options;
+  ComputeOptions unsigned_options{.sign = {SignMethod::none}};
   const DistanceField plain = compute(mesh, grid, thickness, unsigned_options).field;
   std::int64_t wrong = 0;
   testing::for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -91,15 +91,15 @@ TEST(SignedField, BandsAndFullFieldsSparseAndDense) {
     const Mesh mesh = testing::solid_soup(seed, 5);
     // Of 0.02 most tiles between the band's samples have samples on both sides.
     for (const double thickness : {0.02, 0.3, kFullField}) {
-      ComputeOptions options;
+      ComputeOptions options{.sign = {SignMethod::none}};
       options.sign.method = SignMethod::winding;
       options.sign.as_oriented = true;
-      options.nearest_triangle = seed % 2 == 0;
+      options.nearest = seed % 2 == 0;
       const ComputeResult result = compute(mesh, grid, thickness, options);
       EXPECT_EQ(wrong_values(mesh, grid, thickness, result.field), 0) << seed << ", " << thickness;
       EXPECT_EQ(result.field.provenance().sign, "winding");
       std::vector<float> dense(static_cast<std::size_t>(grid.sample_count()));
-      std::vector<std::uint32_t> nearest(options.nearest_triangle ? dense.size() : 0);
+      std::vector<std::uint32_t> nearest(options.nearest ? dense.size() : 0);
       compute_into(mesh, grid, thickness, dense, nearest, options);
       EXPECT_TRUE(std::ranges::equal(dense, result.field.to_dense(), {}, std::bit_cast<std::uint32_t, float>,
                                      std::bit_cast<std::uint32_t, float>));
@@ -113,7 +113,7 @@ TEST(SignedField, ScenesOfOverlappingParts) {
   const Vec3 extent = box.extent();
   const double spacing = std::max({extent.x, extent.y, extent.z}) / 24;
   const Grid grid{{28, 28, 28}, box.min - Vec3{1.3, 1.7, 1.1} * spacing, {spacing, spacing, spacing}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = SignMethod::winding;
   for (const double thickness : {2 * spacing, kFullField})
     EXPECT_EQ(wrong_values(mesh, grid, thickness, compute(mesh, grid, thickness, options).field), 0);
@@ -124,7 +124,7 @@ TEST(SignedField, TheSameBitsForAnyNumberOfThreads) {
   const Grid grid{{70, 60, 50}, {-2.5, -2.5, -2.5}, {0.07, 0.08, 0.1}};
   std::vector<float> first;
   for (const int threads : {1, 2, 5}) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.sign.method = SignMethod::winding;
     options.execution.threads = threads;
     const std::vector<float> values = compute(mesh, grid, 0.2, options).field.to_dense();
@@ -157,7 +157,7 @@ TEST(SignedField, VerticesNeedNotBeWelded) {
     testing::add_triangle(loose, a, b, c);
   }
   const Grid grid{{20, 20, 20}, {-2, -2, -2}, {0.2, 0.2, 0.2}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = SignMethod::winding;
   EXPECT_EQ(compute(loose, grid, 0.3, options).field.to_dense(), compute(welded, grid, 0.3, options).field.to_dense());
 }
@@ -165,7 +165,7 @@ TEST(SignedField, VerticesNeedNotBeWelded) {
 TEST(SignedField, OptionsThatContradictEachOther) {
   const Mesh mesh = testing::solid_soup(1, 1);
   const auto rejects = [&](const SignOptions& sign, const char* what) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.sign = sign;
     expect_error([&] { compute(mesh, {{4, 4, 4}, {}}, 1, options); }, ErrorCode::usage, what);
   };
@@ -179,11 +179,11 @@ TEST(SignedField, OptionsThatContradictEachOther) {
 // they are the unsigned field less half of the shell's thickness.
 
 ComputeOptions shell_of(double thickness, bool nearest = false, bool invert = false) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.method = SignMethod::shell;
   options.sign.shell = thickness;
   options.sign.invert = invert;
-  options.nearest_triangle = nearest;
+  options.nearest = nearest;
   return options;
 }
 
@@ -232,7 +232,8 @@ TEST(Shell, OfAPlane) {
 // Of the full unsigned field each value has one more rounding.
 TEST(Shell, IsTheDistanceLessHalfInSparseAndDenseFields) {
   const Mesh mesh = testing::random_soup(4, 60, 1.2, 0.7);
-  const std::vector<float> distances = compute(mesh, kShellGrid, kFullField).field.to_dense();
+  const std::vector<float> distances =
+      compute(mesh, kShellGrid, kFullField, {.sign = {SignMethod::none}}).field.to_dense();
   for (const double shell : {0.05, 0.37, 2.9})
     for (const double thickness : {0.12, 0.5, kFullField})
       for (const bool invert : {false, true}) {
@@ -271,9 +272,10 @@ TEST(Shell, TilesDeepInsideAreNotStored) {
 
 TEST(Shell, MemoryIsThatOfTheDistancesItNeeds) {
   const Mesh mesh = testing::random_soup(4, 60, 1.2, 0.1);
-  EXPECT_EQ(memory_needed(mesh, kShellGrid, 0.25, shell_of(0.5)), memory_needed(mesh, kShellGrid, 0.5));
+  EXPECT_EQ(estimate(mesh, kShellGrid, 0.25, shell_of(0.5)).whole,
+            estimate(mesh, kShellGrid, 0.5, {.sign = {SignMethod::none}}).whole);
   ComputeOptions limited = shell_of(0.5);
-  limited.memory_limit = memory_needed(mesh, kShellGrid, 0.5) - 1;
+  limited.memory_limit = estimate(mesh, kShellGrid, 0.5, {.sign = {SignMethod::none}}).whole - 1;
   expect_error([&] { compute(mesh, kShellGrid, 0.25, limited); }, ErrorCode::limit, "the field may need");
 }
 
@@ -282,7 +284,7 @@ TEST(Shell, ThicknessesThatAreNone) {
   for (const double shell : {0.0, -1.0, std::nan(""), kFullField})
     expect_error([&] { compute(mesh, kShellGrid, 1, shell_of(shell)); }, ErrorCode::usage, "positive and finite");
   expect_error([&] { compute(mesh, kShellGrid, 1, shell_of(1e6)); }, ErrorCode::limit, "coarser than the grid");
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.sign.shell = 1;
   expect_error([&] { compute(mesh, kShellGrid, 1, options); }, ErrorCode::usage, "for the sign method shell");
 }

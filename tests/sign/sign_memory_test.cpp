@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// memory_needed() of signed fields is an upper bound of what computing them holds, at most a tenth above that of
+// estimate() of signed fields is an upper bound of what computing them holds, at most a tenth above that of
 // unsigned ones, and never a reason for a wrong sign.
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using testing::Tetrahedron;
 constexpr std::int64_t kSmallThings = 64 << 10;  // what TBB and the texts of a report take
 
 ComputeOptions options_with(SignMethod method, int threads = 2) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.execution.threads = threads;
   options.sign.method = method;
@@ -75,7 +75,7 @@ TEST(SignMemory, NoFieldTakesMoreThanWasSaid) {
           const Grid grid = grid_of(kind.mesh, size);
           const ComputeOptions options = options_with(SignMethod::winding, threads);
           const double thickness = samples * grid.max_spacing();
-          const std::int64_t needed = memory_needed(kind.mesh, grid, thickness, options);
+          const std::int64_t needed = estimate(kind.mesh, grid, thickness, options).whole;
           const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
           EXPECT_LE(taken, needed + kSmallThings) << kind.name << ", " << size.x << ", " << samples << " samples";
         }
@@ -87,8 +87,8 @@ TEST(SignMemory, ATenthMoreThanUnsigned) {
       const Grid grid = grid_of(kind.mesh, {side, side, side});
       for (const double samples : {2.0, kInfinity}) {
         const double thickness = samples * grid.max_spacing();
-        const std::int64_t plain = memory_needed(kind.mesh, grid, thickness, options_with(SignMethod::none)),
-                           with_sign = memory_needed(kind.mesh, grid, thickness, options_with(SignMethod::winding));
+        const std::int64_t plain = estimate(kind.mesh, grid, thickness, options_with(SignMethod::none)).whole,
+                           with_sign = estimate(kind.mesh, grid, thickness, options_with(SignMethod::winding)).whole;
         EXPECT_LE(static_cast<double>(with_sign), 1.1 * static_cast<double>(plain)) << kind.name << ", " << side;
       }
     }
@@ -101,7 +101,7 @@ TEST(SignMemory, ALimitChangesNoSign) {
   const Grid grid = grid_of(mesh, {30, 60, 60});
   ComputeOptions options = options_with(SignMethod::parity);
   const std::vector<float> whole = compute(mesh, grid, grid.max_spacing(), options).field.to_dense();
-  options.memory_limit = memory_needed(mesh, grid, grid.max_spacing(), options);
+  options.memory_limit = estimate(mesh, grid, grid.max_spacing(), options).whole;
   EXPECT_LT(options.memory_limit, std::int64_t{16} * 2 * 1000 * 60 * 60 / 2) << "half of all crossings";
   DistanceField limited;
   {

@@ -57,10 +57,13 @@ void expect_many_questions(const Work& work, int least, const std::string& stage
 TEST(Stop, WithinARowOfTilesOfASoup) {
   const Mesh mesh = random_soup(1, 3000, 1, 0.4);
   expect_many_questions(
-      [&](const ProgressCallback& progress) { occupancy(mesh, kOneRowOfTiles, kWinding, kOneThread, progress); }, 60);
+      [&](const ProgressCallback& progress) {
+        occupancy(mesh, kOneRowOfTiles, {.sign = kWinding, .execution = kOneThread, .progress = progress});
+      },
+      60);
   expect_many_questions(
       [&](const ProgressCallback& progress) {
-        ComputeOptions options;
+        ComputeOptions options{.sign = {SignMethod::none}};
         options.sign = kWinding;
         options.execution = kOneThread;
         options.progress = progress;
@@ -73,7 +76,10 @@ TEST(Stop, WithinTheMarginsOfARow) {
   const Mesh mesh = random_soup(1, 3000, 1, 0.4);
   const Grid row{{256, 1, 1}, {-1, 0, 0}, {0.008, 1, 1}};
   expect_many_questions(
-      [&](const ProgressCallback& progress) { winding_margins(mesh, row, kWinding, kOneThread, progress); }, 10);
+      [&](const ProgressCallback& progress) {
+        winding_margins(mesh, row, {.sign = kWinding, .execution = kOneThread, .progress = progress});
+      },
+      10);
 }
 
 TEST(Stop, AmongPointsBesideASoup) {
@@ -83,10 +89,16 @@ TEST(Stop, AmongPointsBesideASoup) {
   std::vector<Vec3> points;
   for (int n = 0; n < 300; ++n) points.push_back(random.in_cube(1));  // that are decided together
   std::vector<double> found(points.size());
-  expect_many_questions([&](const ProgressCallback& progress) { query.distances(points, found, kOneThread, progress); },
-                        10);
   expect_many_questions(
-      [&](const ProgressCallback& progress) { query.winding_numbers(points, found, kOneThread, progress); }, 300);
+      [&](const ProgressCallback& progress) {
+        query.distances(points, found, {.execution = kOneThread, .progress = progress});
+      },
+      10);
+  expect_many_questions(
+      [&](const ProgressCallback& progress) {
+        query.winding_numbers(points, found, {.execution = kOneThread, .progress = progress});
+      },
+      300);
 }
 
 // Few triangles, each of which very many rows and edges pass through.
@@ -97,7 +109,10 @@ TEST(Stop, WithinOneTriangle) {
   const Grid grid{{4, 700, 700}, {-1, -1, -1}, {0.5, 0.003, 0.003}};
   for (const SignMethod method : {SignMethod::parity, SignMethod::flood})
     expect_many_questions(
-        [&](const ProgressCallback& progress) { occupancy(mesh, grid, {.method = method}, kOneThread, progress); }, 60);
+        [&](const ProgressCallback& progress) {
+          occupancy(mesh, grid, {.sign = {.method = method}, .execution = kOneThread, .progress = progress});
+        },
+        60);
 }
 
 // One thread has all rows of tiles in one range.
@@ -106,13 +121,13 @@ TEST(Stop, BetweenRowsOfTiles) {
   const Grid grid{{8, 160, 160}, {-1, -1, -1}, {0.3, 0.0125, 0.0125}};
   expect_many_questions(
       [&](const ProgressCallback& progress) {
-        occupancy(mesh, grid, {.method = SignMethod::parity}, kOneThread, progress);
+        occupancy(mesh, grid, {.sign = {.method = SignMethod::parity}, .execution = kOneThread, .progress = progress});
       },
       400);
   for (const SignMethod method : {SignMethod::normal, SignMethod::shell})
     expect_many_questions(
         [&](const ProgressCallback& progress) {
-          ComputeOptions options;
+          ComputeOptions options{.sign = {SignMethod::none}};
           options.sign = {.method = method, .shell = method == SignMethod::shell ? 0.1 : 0};
           options.execution = kOneThread;
           options.progress = progress;

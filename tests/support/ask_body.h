@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "files/array_file.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
@@ -15,24 +15,24 @@
 namespace standoff {
 
 /// The body of a file called `fuzzed`. The checksum is not looked at: past it no changed byte would come.
-inline CollisionModel read_body(std::string_view bytes) {
-  return collision::read_model(FileView("fuzzed", bytes), ArrayChecksum::ignored);
+inline Body read_body(std::string_view bytes) {
+  return collision::read_body(FileView("fuzzed", bytes), ArrayChecksum::ignored);
 }
 
 /// The body's middle, turned, moved by this.
-inline Pose placed(const CollisionModel& body, double angle_rad, Vec3 by) {
+inline Pose placed(const Body& body, double angle_rad, Vec3 by) {
   const Vec3 middle = body.bounds().center();
   Pose pose = make_pose({3, 1, 2}, angle_rad, {});
   pose.translation = middle - rotate(pose, middle) + by;
   return pose;
 }
 
-inline void ask(const CollisionModel& body, const Pose& pose) {
+inline void ask(const Body& body, const Pose& pose) {
   const Vec3 extent = body.bounds().extent();
   // Sweeps take steps as short as the tolerance: a share of the motion's length bounds their number.
   const double size = std::max(body.bounds().longest_side(), 1e-9);
   collide(body, {}, body, pose);
-  if (body.closed()) collide(body, {}, body, pose, {.containment = true});
+  if (body.has_inside()) collide(body, {}, body, pose, {.containment = true});
   collide(body, {}, body, pose, {.margin = size, .mode = CollideMode::certified});
   distance(body, {}, body, pose);
   contacts(body, {}, body, pose, {.most = 8, .margin = 0.01 * size});
@@ -41,7 +41,7 @@ inline void ask(const CollisionModel& body, const Pose& pose) {
 
 /// Every query of the body against itself, beside it and at the same pose. Each must end, whatever bounds the body
 /// holds. Returns the code of the first error: usage is a legal answer, for poses beyond kMaxPosition.
-inline std::optional<ErrorCode> ask(const CollisionModel& body) {
+inline std::optional<ErrorCode> ask(const Body& body) {
   try {
     ask(body, placed(body, 0.7, body.bounds().extent() * Vec3{1.1, 0.1, 0.2}));
     ask(body, {});

@@ -15,9 +15,9 @@ namespace {
 
 using namespace testing;
 
-class EachMethod : public ::testing::TestWithParam<IsoMethod> {
+class EachMethod : public ::testing::TestWithParam<SurfaceMethod> {
  protected:
-  IsoOptions at(double level) const { return {.at = level, .method = GetParam()}; }
+  SurfaceOptions at(double level) const { return {.at = level, .method = GetParam()}; }
 };
 
 const Grid kGrids[] = {
@@ -40,10 +40,10 @@ TEST_P(EachMethod, NoiseHasAManifoldSurface) {
       for (unsigned seed = 0; seed < 3; ++seed) {
         const DistanceField field = noise_field(grid, noise, seed);
         for (const double level : {0.0, 0.25, 1.0, -1.0}) {
-          const IsoResult surface = isosurface(field, at(level));
-          ASSERT_EQ(manifold_fault(surface.mesh), "")
+          const SurfaceResult found = surface(field, at(level));
+          ASSERT_EQ(manifold_fault(found.mesh), "")
               << "grid of " << grid.size.x << ", noise " << int(noise) << ", seed " << seed << ", level " << level;
-          surfaces += !surface.mesh.triangles.empty();
+          surfaces += !found.mesh.triangles.empty();
         }
       }
   EXPECT_GT(surfaces, 300);
@@ -54,7 +54,7 @@ TEST_P(EachMethod, NoiseIsInside) {
   const Grid grid{{6, 6, 6}, {}, {1, 1, 1}};
   for (unsigned seed = 0; seed < 4; ++seed) {
     const DistanceField field = noise_field(grid, Noise::smooth, seed);
-    const Mesh mesh = isosurface(field, at(0)).mesh;
+    const Mesh mesh = surface(field, at(0)).mesh;
     const DistanceField again = compute(mesh, grid, kFullField, {.sign = {SignMethod::winding}}).field;
     for (std::int64_t n = 0; n < 216; ++n)
       EXPECT_EQ(again.value(n % 6, n / 6 % 6, n / 36) < 0, field.value(n % 6, n / 6 % 6, n / 36) < 0) << n;
@@ -65,8 +65,8 @@ TEST_P(EachMethod, SphereHasItsVolumeAndArea) {
   const double radius = 1;
   double last_error = 1;
   for (const std::int64_t samples : {15, 30, 60}) {
-    const Grid grid = fit_samples({{-1, -1, -1}, {1, 1, 1}}, samples);
-    const Mesh mesh = isosurface(field_of(grid, [&](Vec3 p) { return length(p) - radius; }), at(0)).mesh;
+    const Grid grid = fit_resolution({{-1, -1, -1}, {1, 1, 1}}, samples);
+    const Mesh mesh = surface(field_of(grid, [&](Vec3 p) { return length(p) - radius; }), at(0)).mesh;
     EXPECT_EQ(manifold_fault(mesh), "");
     EXPECT_EQ(euler_characteristic(mesh), 2);
     const double error = std::abs(volume(mesh) - 4 * std::numbers::pi / 3);
@@ -80,7 +80,7 @@ TEST_P(EachMethod, SphereHasItsVolumeAndArea) {
 TEST_P(EachMethod, TorusHasItsVolumeAndHole) {
   const Grid grid{{70, 80, 40}, {-1.45, -1.46, -0.45}, {0.043, 0.037, 0.0229}};
   const auto torus = [](Vec3 p) { return std::hypot(std::hypot(p.x, p.y) - 1, p.z) - 0.3; };
-  const Mesh mesh = isosurface(field_of(grid, torus), at(0)).mesh;
+  const Mesh mesh = surface(field_of(grid, torus), at(0)).mesh;
   EXPECT_EQ(manifold_fault(mesh), "");
   EXPECT_EQ(euler_characteristic(mesh), 0);
   EXPECT_NEAR(volume(mesh), 2 * std::numbers::pi * std::numbers::pi * 0.09, 0.02);
@@ -95,9 +95,9 @@ TEST_P(EachMethod, AnAxisAlignedBoxIsExact) {
     const Vec3 d = max(Vec3{0.05, 0.05, 0.05} - p, p - Vec3{1.65, 1.25, 1.45});
     return std::max({d.x, d.y, d.z});
   };
-  const Mesh mesh = isosurface(field_of(grid, box), at(0)).mesh;
+  const Mesh mesh = surface(field_of(grid, box), at(0)).mesh;
   EXPECT_EQ(manifold_fault(mesh), "");
-  EXPECT_NEAR(volume(mesh), 1.6 * 1.2 * 1.4, GetParam() == IsoMethod::dual ? 0.02 : 0.05);
+  EXPECT_NEAR(volume(mesh), 1.6 * 1.2 * 1.4, GetParam() == SurfaceMethod::dual ? 0.02 : 0.05);
 }
 
 // The solid fills the grid: its surface is the grid's box, closed by the clearance beyond it.
@@ -107,12 +107,12 @@ TEST_P(EachMethod, ASolidThatLeavesTheGridIsCapped) {
   for (std::int64_t z = 0; z < 3; ++z)
     for (std::int64_t x = 0; x < 2; ++x) full.mark_inside(x, 0, z);
   for (const DistanceField& field : {field_of(grid, [](Vec3) { return -1; }), full}) {
-    const IsoResult surface = isosurface(field, at(0));
-    EXPECT_EQ(manifold_fault(surface.mesh), "");
-    EXPECT_EQ(euler_characteristic(surface.mesh), 2);
-    EXPECT_NEAR(volume(surface.mesh), 4.0 * 3.5 * 8.0, GetParam() == IsoMethod::dual ? 0.1 : 0.3);
-    EXPECT_EQ(surface.report.capped, 2 * (9 * 8 + 9 * 17 + 8 * 17));
-    EXPECT_EQ(surface.report.clamped, 0);
+    const SurfaceResult found = surface(field, at(0));
+    EXPECT_EQ(manifold_fault(found.mesh), "");
+    EXPECT_EQ(euler_characteristic(found.mesh), 2);
+    EXPECT_NEAR(volume(found.mesh), 4.0 * 3.5 * 8.0, GetParam() == SurfaceMethod::dual ? 0.1 : 0.3);
+    EXPECT_EQ(found.report.capped, 2 * (9 * 8 + 9 * 17 + 8 * 17));
+    EXPECT_EQ(found.report.clamped, 0);
   }
 }
 
@@ -122,29 +122,29 @@ TEST_P(EachMethod, OppositeBackgroundsAreSeparated) {
   field.mark_inside(1, 1, 1);
   field.mark_inside(2, 2, 1);  // joined along an edge: ambiguous faces
   field.mark_inside(2, 2, 2);
-  const IsoResult surface = isosurface(field, at(0));
-  EXPECT_EQ(manifold_fault(surface.mesh), "");
-  EXPECT_NEAR(volume(surface.mesh), 3 * 512, 60);
-  EXPECT_EQ(surface.report.clamped, 6 * 64 * 3 - 2 * 64) << "all edges between them";
-  EXPECT_GT(surface.report.ambiguous_faces, 0);
+  const SurfaceResult found = surface(field, at(0));
+  EXPECT_EQ(manifold_fault(found.mesh), "");
+  EXPECT_NEAR(volume(found.mesh), 3 * 512, 60);
+  EXPECT_EQ(found.report.clamped, 6 * 64 * 3 - 2 * 64) << "all edges between them";
+  EXPECT_GT(found.report.ambiguous_faces, 0);
 }
 
 TEST_P(EachMethod, EmptyAndFullFields) {
   const Grid grid{{9, 9, 9}, {}, {1, 1, 1}};
-  EXPECT_TRUE(isosurface(DistanceField(grid, 2), at(0)).mesh.triangles.empty());
-  EXPECT_TRUE(isosurface(DistanceField(), at(0)).mesh.triangles.empty());
-  EXPECT_TRUE(isosurface(field_of(grid, [](Vec3) { return 0; }), at(0)).mesh.triangles.empty()) << "0 is outside";
-  EXPECT_FALSE(isosurface(field_of(grid, [](Vec3) { return 0; }), at(1e-30)).mesh.triangles.empty());
+  EXPECT_TRUE(surface(DistanceField(grid, 2), at(0)).mesh.triangles.empty());
+  EXPECT_TRUE(surface(DistanceField(), at(0)).mesh.triangles.empty());
+  EXPECT_TRUE(surface(field_of(grid, [](Vec3) { return 0; }), at(0)).mesh.triangles.empty()) << "0 is outside";
+  EXPECT_FALSE(surface(field_of(grid, [](Vec3) { return 0; }), at(1e-30)).mesh.triangles.empty());
 }
 
 TEST_P(EachMethod, ThreadsChangeNothing) {
   const DistanceField field = noise_field({{30, 20, 18}, {}, {1, 1, 1}}, Noise::smooth, 5);
-  IsoOptions options = at(0.1);
+  SurfaceOptions options = at(0.1);
   options.execution.threads = 1;
-  const IsoResult one = isosurface(field, options);
+  const SurfaceResult one = surface(field, options);
   for (const int threads : {2, 5}) {
     options.execution.threads = threads;
-    const IsoResult many = isosurface(field, options);
+    const SurfaceResult many = surface(field, options);
     EXPECT_EQ(many.mesh.vertices, one.mesh.vertices);
     EXPECT_EQ(many.mesh.triangles, one.mesh.triangles);
     EXPECT_EQ(many.report.ambiguous_faces, one.report.ambiguous_faces);
@@ -157,24 +157,24 @@ TEST_P(EachMethod, SparseAndDenseFieldsHaveTheSameSurface) {
   const DistanceField full = field_of(grid, ball);
   const DistanceField band = DistanceField::from_dense(grid, 0.2, full.to_dense());
   ASSERT_LT(band.stored_tiles(), full.stored_tiles());
-  const IsoResult sparse = isosurface(band, at(0.03)), dense = isosurface(full, at(0.03));
+  const SurfaceResult sparse = surface(band, at(0.03)), dense = surface(full, at(0.03));
   EXPECT_EQ(sparse.mesh.vertices, dense.mesh.vertices);
   EXPECT_EQ(sparse.mesh.triangles, dense.mesh.triangles);
 }
 
 TEST_P(EachMethod, AWallMakesASolidHollow) {
-  const Grid grid = fit_samples({{-1, -1, -1}, {1, 1, 1}}, 60);
+  const Grid grid = fit_resolution({{-1, -1, -1}, {1, 1, 1}}, 60);
   const DistanceField field = field_of(grid, [](Vec3 p) { return length(p) - 1; });
-  IsoOptions options = at(0);
+  SurfaceOptions options = at(0);
   options.wall = 0.25;
-  const IsoResult hollow = isosurface(field, options);
+  const SurfaceResult hollow = surface(field, options);
   EXPECT_EQ(manifold_fault(hollow.mesh), "");
   EXPECT_EQ(euler_characteristic(hollow.mesh), 4);
   EXPECT_NEAR(volume(hollow.mesh), 4 * std::numbers::pi / 3 * (1 - 0.75 * 0.75 * 0.75), 0.01);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values(IsoMethod::marching_cubes, IsoMethod::dual),
-                         [](const auto& method) { return method.param == IsoMethod::dual ? "dual" : "cubes"; });
+INSTANTIATE_TEST_SUITE_P(Methods, EachMethod, ::testing::Values(SurfaceMethod::marching_cubes, SurfaceMethod::dual),
+                         [](const auto& method) { return method.param == SurfaceMethod::dual ? "dual" : "cubes"; });
 
 TEST(CellCases, EachEdgeWithAnEndInsideIsOnOneLoop) {
   const CellCases& cases = CellCases::table();

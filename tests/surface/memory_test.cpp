@@ -21,13 +21,13 @@ constexpr std::int64_t kSmallThings = std::int64_t{1} << 20;
 struct Case {
   const char* name;
   bool of_mesh;
-  IsoOptions options;
+  SurfaceOptions options;
 };
 
 std::vector<Case> cases() {
-  const IsoOptions cubes{.execution = {.threads = 2, .backend = Backend::cpu}};
-  IsoOptions dual = cubes, hollow = cubes, offset;
-  dual.method = IsoMethod::dual;
+  const SurfaceOptions cubes{.sign = {SignMethod::winding}, .execution = {.threads = 2, .backend = Backend::cpu}};
+  SurfaceOptions dual = cubes, hollow = cubes, offset;
+  dual.method = SurfaceMethod::dual;
   hollow.wall = 0.1;
   offset = dual;
   offset.at = 0.05;
@@ -37,25 +37,23 @@ std::vector<Case> cases() {
 
 TEST(SurfaceMemory, StaysBelowItsLimit) {
   const Mesh mesh = scenes::make("sphere", 2000);
-  const Grid grid = fit_samples(bounds(mesh), 96, 0.3);
-  ComputeOptions computed;
+  const Grid grid = fit_resolution(bounds(mesh), 96, 0.3);
+  ComputeOptions computed{.sign = {SignMethod::none}};
   computed.sign.method = SignMethod::winding;
   computed.execution = {.threads = 2, .backend = Backend::cpu};
   const DistanceField field = compute(mesh, grid, 0.3, computed).field;
   for (Case& one : cases()) {
     SCOPED_TRACE(one.name);
-    const auto make = [&] {
-      return one.of_mesh ? isosurface(mesh, grid, {SignMethod::winding}, one.options) : isosurface(field, one.options);
-    };
-    one.options.memory_limit = 0;
-    const IsoResult whole = make();
+    const auto make = [&] { return one.of_mesh ? surface(mesh, grid, one.options) : surface(field, one.options); };
+    one.options.memory_limit = kNoMemoryLimit;
+    const SurfaceResult whole = make();
     // From little to plenty: in between each step of the work is the first one that there is no memory for.
     int refused = 0, made = 0;
     for (std::int64_t limit = 1 << 14; made < 2; limit += limit / 4) {
       one.options.memory_limit = limit;
       const std::int64_t most = heap::most_held([&] {
         try {
-          const IsoResult found = make();
+          const SurfaceResult found = make();
           EXPECT_EQ(found.mesh.vertices, whole.mesh.vertices);
           ++made;
         } catch (const Error& error) {
@@ -72,14 +70,14 @@ TEST(SurfaceMemory, StaysBelowItsLimit) {
 
 TEST(SurfaceMemory, SaysWhatItNeeds) {
   const Mesh mesh = scenes::make("sphere", 2000);
-  const Grid grid = fit_samples(bounds(mesh), 96, 0.3);
-  ComputeOptions computed;
+  const Grid grid = fit_resolution(bounds(mesh), 96, 0.3);
+  ComputeOptions computed{.sign = {SignMethod::none}};
   computed.sign.method = SignMethod::winding;
   computed.execution.backend = Backend::cpu;
   const DistanceField field = compute(mesh, grid, 0.3, computed).field;
-  expect_error([&] { isosurface(field, {.memory_limit = 1000}); }, ErrorCode::limit, "memory limit");
-  expect_error([&] { isosurface(field, {.memory_limit = -1}); }, ErrorCode::usage, "memory limit");
-  expect_error([&] { isosurface(mesh, grid, {SignMethod::winding}, {.memory_limit = 1000}); }, ErrorCode::limit,
+  expect_error([&] { surface(field, {.memory_limit = 1000}); }, ErrorCode::limit, "memory limit");
+  EXPECT_NO_THROW(surface(field, {.memory_limit = kNoMemoryLimit}));
+  expect_error([&] { surface(mesh, grid, {.sign = {SignMethod::winding}, .memory_limit = 1000}); }, ErrorCode::limit,
                "limit");
 }
 

@@ -60,15 +60,15 @@ std::vector<double> missed(const Part& part, const Mesh& mesh, double spacing) {
 
 TEST(MeshSurface, SharpEdgesComeBack) {
   const Part part = bracket({});
-  const Grid grid = fit_samples(bounds(part.mesh), 60);
-  const IsoResult dual =
-      isosurface(part.mesh, grid, {SignMethod::automatic}, {.method = IsoMethod::dual, .examine = true});
+  const Grid grid = fit_resolution(bounds(part.mesh), 60);
+  const SurfaceResult dual =
+      surface(part.mesh, grid, {.method = SurfaceMethod::dual, .sign = {SignMethod::automatic}, .examine = true});
   EXPECT_EQ(manifold_fault(dual.mesh), "");
   EXPECT_EQ(dual.report.self_intersections, 0);
   EXPECT_EQ(dual.report.components, 1);
   EXPECT_LT(missed(part, dual.mesh, grid.spacing.x).back(), 1e-3);
   EXPECT_NEAR(volume(dual.mesh), volume(part.mesh), 1e-4);
-  const Mesh cubes = isosurface(part.mesh, grid, {SignMethod::automatic}).mesh;
+  const Mesh cubes = surface(part.mesh, grid, {.sign = {SignMethod::automatic}}).mesh;
   EXPECT_GT(missed(part, cubes, grid.spacing.x).back(), 0.1) << "marching cubes cut edges off";
 }
 
@@ -77,9 +77,9 @@ TEST(MeshSurface, SharpEdgesComeBack) {
 TEST(MeshSurface, SharpEdgesComeBackInAnyPosition) {
   for (int n = 0; n < 4; ++n) {
     const Part part = bracket(make_pose({1, 0.5 * n, 2}, 0.4 + n, {10, 20, 30}));
-    const Grid grid = fit_samples(bounds(part.mesh), 80);
-    const IsoResult dual =
-        isosurface(part.mesh, grid, {SignMethod::automatic}, {.method = IsoMethod::dual, .examine = true});
+    const Grid grid = fit_resolution(bounds(part.mesh), 80);
+    const SurfaceResult dual =
+        surface(part.mesh, grid, {.method = SurfaceMethod::dual, .sign = {SignMethod::automatic}, .examine = true});
     EXPECT_EQ(manifold_fault(dual.mesh), "");
     EXPECT_LT(dual.report.self_intersections, 3);
     const std::vector<double> distances = missed(part, dual.mesh, grid.spacing.x);
@@ -96,9 +96,9 @@ TEST(MeshSurface, SharpEdgesComeBackInAnyPosition) {
 TEST(MeshSurface, OffsetsAreExactDistances) {
   const Mesh ball = sphere(24);
   for (const double at : {-0.3, 0.02, 0.25})
-    for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
-      const Grid grid = fit_samples(bounds(ball).grown(std::max(0.0, at)), 50);
-      const Mesh mesh = isosurface(ball, grid, {SignMethod::winding}, {.at = at, .method = method}).mesh;
+    for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual}) {
+      const Grid grid = fit_resolution(bounds(ball).grown(std::max(0.0, at)), 50);
+      const Mesh mesh = surface(ball, grid, {.at = at, .method = method, .sign = {SignMethod::winding}}).mesh;
       EXPECT_EQ(manifold_fault(mesh), "");
       EXPECT_EQ(euler_characteristic(mesh), 2);
       double worst = 0;
@@ -112,8 +112,9 @@ TEST(MeshSurface, OffsetsAreExactDistances) {
 // The offset of a box inwards is a box: its sharp edges are not the mesh's.
 TEST(MeshSurface, OffsetsInwardsHaveSharpEdges) {
   const Part part = bracket(make_pose({0, 0, 1}, 0, {0.01, 0.02, 0.03}));
-  const Grid grid = fit_samples(bounds(part.mesh), 50);
-  const Mesh mesh = isosurface(part.mesh, grid, {SignMethod::winding}, {.at = -0.2, .method = IsoMethod::dual}).mesh;
+  const Grid grid = fit_resolution(bounds(part.mesh), 50);
+  const Mesh mesh =
+      surface(part.mesh, grid, {.at = -0.2, .method = SurfaceMethod::dual, .sign = {SignMethod::winding}}).mesh;
   EXPECT_EQ(manifold_fault(mesh), "");
   // At the concave edge the surface is a quarter of a cylinder, nearer to the edge than the corner of the planes.
   const double round = 0.2 * 0.2 * (1 - std::numbers::pi / 4);
@@ -127,10 +128,10 @@ TEST(MeshSurface, OffsetsInwardsHaveSharpEdges) {
 
 TEST(MeshSurface, AWallMakesAPartHollow) {
   const Part part = bracket(make_pose({1, 1, 0}, 0.3, {}));
-  const Grid grid = fit_samples(bounds(part.mesh), 60);
-  for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
-    const IsoResult hollow =
-        isosurface(part.mesh, grid, {SignMethod::automatic}, {.wall = 0.15, .method = method, .examine = true});
+  const Grid grid = fit_resolution(bounds(part.mesh), 60);
+  for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual}) {
+    const SurfaceResult hollow =
+        surface(part.mesh, grid, {.wall = 0.15, .method = method, .sign = {SignMethod::automatic}, .examine = true});
     EXPECT_EQ(manifold_fault(hollow.mesh), "");
     EXPECT_EQ(hollow.report.components, 2);
     EXPECT_EQ(hollow.report.self_intersections, 0);
@@ -160,11 +161,12 @@ TEST(MeshSurface, DamagedMeshesBecomeSolids) {
   }
   for (std::size_t n = 0; n < meshes.size(); ++n)
     for (const SignMethod sign : {SignMethod::winding, SignMethod::flood, SignMethod::automatic})
-      for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual})
+      for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual})
         for (const bool outer : {false, true}) {
-          const Grid grid = fit_samples(bounds(meshes[n]), 40);
+          const Grid grid = fit_resolution(bounds(meshes[n]), 40);
           try {
-            const IsoResult result = isosurface(meshes[n], grid, {.method = sign, .outer = outer}, {.method = method});
+            const SurfaceResult result =
+                surface(meshes[n], grid, {.method = method, .sign = {.method = sign, .outer = outer}});
             EXPECT_EQ(manifold_fault(result.mesh), "") << n << " by sign " << int(sign);
             const bool leaks = sign == SignMethod::flood && n % 3 == 0 && n >= 3;  // a flood fills what has a hole
             EXPECT_EQ(volume(result.mesh) > 0.1, !leaks) << n << " by sign " << int(sign);
@@ -177,11 +179,11 @@ TEST(MeshSurface, DamagedMeshesBecomeSolids) {
 TEST(MeshSurface, ScenesBecomeSolids) {
   for (const char* name : {"fly", "box", "our_process_small"}) {
     const Mesh mesh = scenes::make(name, 3000);
-    const Grid grid = fit_samples(bounds(mesh), 64);
-    for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual})
+    const Grid grid = fit_resolution(bounds(mesh), 64);
+    for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual})
       for (const double at : {0.0, 1.5 * grid.spacing.x})
-        EXPECT_EQ(manifold_fault(isosurface(mesh, fit_samples(bounds(mesh).grown(at), 64), {SignMethod::automatic},
-                                            {.at = at, .method = method})
+        EXPECT_EQ(manifold_fault(surface(mesh, fit_resolution(bounds(mesh).grown(at), 64),
+                                         {.at = at, .method = method, .sign = {SignMethod::automatic}})
                                      .mesh),
                   "")
             << name;
@@ -190,13 +192,14 @@ TEST(MeshSurface, ScenesBecomeSolids) {
 
 TEST(MeshSurface, ASheetHasASurfaceAroundIt) {
   const Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
-  const Grid grid = fit_samples(bounds(sheet).grown(0.2), 40);
-  for (const IsoMethod method : {IsoMethod::marching_cubes, IsoMethod::dual}) {
-    const Mesh around = isosurface(sheet, grid, {}, {.at = 0.2, .method = method}).mesh;
+  const Grid grid = fit_resolution(bounds(sheet).grown(0.2), 40);
+  for (const SurfaceMethod method : {SurfaceMethod::marching_cubes, SurfaceMethod::dual}) {
+    const Mesh around = surface(sheet, grid, {.at = 0.2, .method = method, .sign = {SignMethod::none}}).mesh;
     EXPECT_EQ(manifold_fault(around), "");
     const double kRound = std::numbers::pi * 0.04;
     EXPECT_NEAR(volume(around), 0.4 + 4 * kRound / 2 + 4.0 / 3 * 0.2 * kRound, 0.005);
-    const Mesh shell = isosurface(sheet, grid, {.method = SignMethod::shell, .shell = 0.3}, {.method = method}).mesh;
+    const Mesh shell =
+        surface(sheet, grid, {.method = method, .sign = {.method = SignMethod::shell, .shell = 0.3}}).mesh;
     EXPECT_EQ(manifold_fault(shell), "");
     EXPECT_NEAR(volume(shell), 0.3 + 4 * kRound / 2 * 0.5625 + 4.0 / 3 * 0.15 * kRound * 0.5625, 0.005);
   }
@@ -204,21 +207,21 @@ TEST(MeshSurface, ASheetHasASurfaceAroundIt) {
 
 TEST(MeshSurface, NoInsideIsAnError) {
   const Mesh sheet{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
-  const Grid grid = fit_samples(bounds(sheet), 20);
-  const auto made = [&](const SignOptions& sign, double at) { return isosurface(sheet, grid, sign, {.at = at}); };
+  const Grid grid = fit_resolution(bounds(sheet), 20);
+  const auto made = [&](const SignOptions& sign, double at) { return surface(sheet, grid, {.at = at, .sign = sign}); };
   expect_error([&] { made({SignMethod::automatic}, 0); }, ErrorCode::input, "there is no inside");
   expect_error([&] { made({}, -0.1); }, ErrorCode::input, "choose a sign method");
 }
 
 TEST(MeshSurface, ThreadsChangeNothing) {
   const Mesh mesh = scenes::make("fly", 2000);
-  const Grid grid = fit_samples(bounds(mesh), 50);
+  const Grid grid = fit_resolution(bounds(mesh), 50);
   for (const double at : {0.0, 0.05}) {
-    IsoOptions options{.at = at, .method = IsoMethod::dual};
+    SurfaceOptions options{.at = at, .method = SurfaceMethod::dual};
     options.execution.threads = 1;
-    const Mesh one = isosurface(mesh, grid, {SignMethod::automatic}, options).mesh;
+    const Mesh one = surface(mesh, grid, options).mesh;
     options.execution.threads = 4;
-    const Mesh many = isosurface(mesh, grid, {SignMethod::automatic}, options).mesh;
+    const Mesh many = surface(mesh, grid, options).mesh;
     EXPECT_EQ(one.vertices, many.vertices);
     EXPECT_EQ(one.triangles, many.triangles);
   }
@@ -232,7 +235,7 @@ TEST(MeshSurface, SaysWhatIsLost) {
              thin = box({2, 0, 0.01}, {4, 2, 0.06}), thick = box({2, 0, 1}, {4, 2, 1.2});
   const Mesh all = testing::joined(testing::joined(body, thin), thick);
   const SignOptions sign{SignMethod::automatic};
-  const IsoReport report = isosurface(all, grid, sign).report;
+  const SurfaceReport report = surface(all, grid, {.sign = sign}).report;
   EXPECT_EQ(report.parts, 4);
   EXPECT_EQ(report.lost_parts, 1);
   const double areas[] = {6 + 6 * 0.16, 8 + 8 * 0.05, 8 + 8 * 0.2};
@@ -240,18 +243,18 @@ TEST(MeshSurface, SaysWhatIsLost) {
   EXPECT_NEAR(report.lost_thickness, 0.05, 0.005);
   EXPECT_NE(report.lost.find("1 of its 4 parts"), std::string::npos) << report.lost;
   EXPECT_NE(report.lost.find("a spacing below 0.04"), std::string::npos) << report.lost;
-  EXPECT_EQ(isosurface(all, grid, sign, {.execution = {.threads = 1}}).report.lost, report.lost);
+  EXPECT_EQ(surface(all, grid, {.sign = sign, .execution = {.threads = 1}}).report.lost, report.lost);
   // With what the sentence names, it is there.
-  EXPECT_EQ(isosurface(all, grid, sign, {.at = 0.1}).report.lost, "");
+  EXPECT_EQ(surface(all, grid, {.at = 0.1, .sign = sign}).report.lost, "");
   SignOptions shell{SignMethod::shell};
   shell.shell = 0.2;
-  EXPECT_EQ(isosurface(all, grid, shell).report.lost, "");
+  EXPECT_EQ(surface(all, grid, {.sign = shell}).report.lost, "");
   const Grid finer{{150, 100, 100}, {-0.52, -0.52, -0.52}, {0.04, 0.04, 0.04}};
-  EXPECT_EQ(isosurface(all, finer, sign).report.lost, "");
-  EXPECT_EQ(isosurface(testing::joined(body, thick), grid, sign).report.lost, "");
+  EXPECT_EQ(surface(all, finer, {.sign = sign}).report.lost, "");
+  EXPECT_EQ(surface(testing::joined(body, thick), grid, {.sign = sign}).report.lost, "");
   // What the grid does not reach was not asked for.
   const Grid half{{20, 40, 40}, {-0.52, -0.52, -0.52}, {0.1, 0.1, 0.1}};
-  EXPECT_EQ(isosurface(all, half, sign).report.lost, "");
+  EXPECT_EQ(surface(all, half, {.sign = sign}).report.lost, "");
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ for name, (function, size, spacing) in CASES.items():
         cubes.Update()
         theirs = measure(cubes.GetOutput())
         made = folder / f"{name}.ply"
-        subprocess.run([STANDOFF, "iso", folder / f"{name}.vti", "--at", str(level), "-f", "-q", "-o", made], check=True)
+        subprocess.run([STANDOFF, "surface", folder / f"{name}.vti", "--at", str(level), "-f", "-q", "-o", made], check=True)
         reader = vtkPLYReader()
         reader.SetFileName(str(made))
         reader.Update()

@@ -156,7 +156,7 @@ TEST(Thesis, FillsDenseMemoryAsItFillsTiles) {
   const Outcome sparse = run(mesh, grid, 1);
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()), 1.0f);
   Sink sink(grid, values, {});
-  const ComputeOptions options;
+  const ComputeOptions options{.sign = {SignMethod::none}};
   ProgressMeter progress(options.progress);
   cpu::run_thesis({mesh, {}, grid, 1, 2, Simd::automatic, progress}, sink);
   EXPECT_EQ(values, sparse.field.to_dense());
@@ -210,7 +210,7 @@ TEST(Thesis, SkippingOnlyRaisesDistances) {
 }
 
 TEST(Thesis, StopsWhenAsked) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.progress = [](const Progress& progress) { return progress.fraction < 0.5; };
   EXPECT_THROW(run(random_soup(9, 500, 20, 1), {{80, 80, 80}, {-20, -20, -20}, {0.5, 0.5, 0.5}}, 1, 2, {}, options),
                Error);

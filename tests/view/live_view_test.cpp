@@ -36,7 +36,8 @@ TEST(LiveView, ComputesWhatIsAsked) {
   EXPECT_LT(band->size(), whole->size());
   EXPECT_EQ(view.settings(), thin);
   const DistanceField expected =
-      compute(ball_mesh(1, 3), fit_samples({{-1, -1, -1}, {1, 1, 1}}, 24), kFullField, {.sign = coarse().sign}).field;
+      compute(ball_mesh(1, 3), fit_resolution({{-1, -1, -1}, {1, 1, 1}}, 24), kFullField, {.sign = coarse().sign})
+          .field;
   EXPECT_EQ(whole, page_data(PageField{"ball", &expected}, [] {
               PageOptions options;
               options.compression = 0;

@@ -130,7 +130,7 @@ TEST(SurfaceVoxels, OfABox) {
 
 TEST(SurfaceVoxels, UnitedWithSolidOnes) {
   const Mesh mesh = scenes::make("sphere", 2000);
-  const Grid grid = fit_samples(bounds(mesh), 41);
+  const Grid grid = fit_resolution(bounds(mesh), 41);
   const Occupancy solid = occupancy(mesh, grid), surface = surface_voxels(mesh, grid);
   Occupancy both = solid;
   add_voxels(both, surface);
@@ -152,16 +152,17 @@ TEST(SurfaceVoxels, UnitedWithSolidOnes) {
 
 TEST(SurfaceVoxels, SameForAnyThreads) {
   const Mesh mesh = scenes::make("sphere", 5000);
-  const Grid grid = fit_samples(bounds(mesh), 80);
-  EXPECT_EQ(surface_voxels(mesh, grid, {.threads = 1}).bits, surface_voxels(mesh, grid, {.threads = 5}).bits);
+  const Grid grid = fit_resolution(bounds(mesh), 80);
+  EXPECT_EQ(surface_voxels(mesh, grid, {.execution = {.threads = 1}}).bits,
+            surface_voxels(mesh, grid, {.execution = {.threads = 5}}).bits);
 }
 
 TEST(SurfaceVoxels, Errors) {
   const Mesh box = testing::box();
   const Grid grid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
   expect_error([&] { surface_voxels(testing::box({0, 0, 0}, {1e101, 1, 1}), grid); }, ErrorCode::limit, "scale them");
-  expect_error([&] { surface_voxels(box, grid, {}, [](const Progress&) { return false; }); }, ErrorCode::interrupted,
-               "cancelled");
+  expect_error([&] { surface_voxels(box, grid, {.progress = [](const Progress&) { return false; }}); },
+               ErrorCode::interrupted, "cancelled");
   Occupancy one = surface_voxels(box, grid);
   const Occupancy other = surface_voxels(box, {{9, 9, 8}, {-1, -1, -1}, {0.4, 0.4, 0.4}});
   expect_error([&] { add_voxels(one, other); }, ErrorCode::usage, "the same grid");

@@ -69,11 +69,9 @@ std::optional<std::string> LiveView::field(const LiveSettings& settings, const s
   };
   try {
     const Box box = bounds(*subject.mesh);
-    // As `standoff compute` fits it: a band that is wider than a tenth of the mesh may reach out of the grid.
-    Padding padding{.most_share = 0.1};
-    if (std::isfinite(settings.thickness))
-      (settings.thickness_in_samples ? padding.samples : padding.length) = settings.thickness;
-    const Grid grid = fit_samples(box, settings.samples, padding);
+    const Padding padding =
+        settings.thickness_in_samples ? padding_for_samples(settings.thickness) : padding_for(settings.thickness);
+    const Grid grid = fit_resolution(box, settings.samples, padding);
     const double thickness =
         settings.thickness_in_samples ? settings.thickness * grid.max_spacing() : settings.thickness;
     compute_into(*subject.mesh, grid, thickness, field_, options);

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "bvh/order.h"
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "geometry/rounding.h"
 #include "geometry/symmetric3.h"
 

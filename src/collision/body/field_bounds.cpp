@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "core/number_text.h"
 #include "core/tile_count.h"
 #include "geometry/rounding.h"
@@ -97,7 +97,7 @@ FieldBounds plan_field_bounds(const Box& box, double spacing) {
   for (auto n : {&Size3::x, &Size3::y, &Size3::z}) coarse.*n = (fine.size.*n + kCoarseStep - 2) / kCoarseStep + 1;
   if (std::max({fine.size.x, fine.size.y, fine.size.z}) > kMostAlong ||
       static_cast<double>(coarse.x) * static_cast<double>(coarse.y) * static_cast<double>(coarse.z) > kMostCoarse)
-    throw Error(ErrorCode::limit, "model: a spacing of " + number_text(spacing) + " makes a field of " +
+    throw Error(ErrorCode::limit, "body: a spacing of " + number_text(spacing) + " makes a field of " +
                                       std::to_string(fine.size.x) + " x " + std::to_string(fine.size.y) + " x " +
                                       std::to_string(fine.size.z) + " samples; take a larger spacing");
   bounds.size = fine.size;
@@ -116,6 +116,8 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
   const Grid fine{bounds.size, bounds.origin, {spacing, spacing, spacing}};
   const Grid coarse{bounds.coarse_size, bounds.origin, {coarse_spacing, coarse_spacing, coarse_spacing}};
   ComputeOptions options;
+  options.sign = {SignMethod::none};
+  options.memory_limit = kNoMemoryLimit;
   options.execution = execution;
   options.progress = [&progress](const Progress&) {
     progress.check();
@@ -130,7 +132,7 @@ FieldBounds build_field_bounds(MeshView mesh, Vec3 middle, double spacing, const
     if (has_sign) fill_coarse_inside(bounds, field);
   }
   progress.advance();
-  options.sign = {};
+  options.sign = {SignMethod::none};
   bounds.coarse.resize(static_cast<std::size_t>(coarse.sample_count()));
   compute_into(moved, coarse, kFullField, bounds.coarse, options);
   for (float& value : bounds.coarse) value = static_cast<float>(value - promised_error(value, coarse_spacing));

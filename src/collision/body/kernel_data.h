@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data of kernels on the CPU and on GPUs: a model's two distance fields, the gap of a bounding sphere in them, and
+// The data of kernels on the CPU and on GPUs: a body's two distance fields, the gap of a bounding sphere in them, and
 // blocks of sixteen spheres, boxes or triangles.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace standoff::collision {
 /// The value of a clamped fine sample: the surface is at least the band's half-width away.
 inline constexpr int kClampedSample = 255;
 
-/// A view of FieldBounds (model.h). Positions are relative to the model's middle.
+/// A view of FieldBounds (body.h). Positions are relative to the body's middle.
 struct FieldView {
   float origin[3];                        ///< of sample (0,0,0) of both grids
   float spacing, coarse_spacing;          ///< of the fine and the coarse grid

@@ -18,7 +18,7 @@ using collision::PoseQuery;
 inline constexpr unsigned kCollideThreads = 128;
 
 struct CollideTask {
-  DeviceModelView target, probe;
+  DeviceBodyView target, probe;
   bool target_is_b;
   DoubleTransform of_a;
   double margin;
@@ -179,8 +179,8 @@ __global__ void __launch_bounds__(kCollideThreads) collide_poses(CollideTask tas
 
 /// Decides a batch on the current device.
 inline void run_collide(const collision::CollideJob& job, Backend backend) {
-  const auto target = device_model_of(job.target, backend, job.device),
-             probe = device_model_of(job.probe, backend, job.device);
+  const auto target = device_body_of(job.target, backend, job.device),
+             probe = device_body_of(job.probe, backend, job.device);
   run_queries<kCollideThreads>(
       "collide_poses", collide_poses, job.queries, job.answers,
       [&](const PoseQuery* queries, PoseAnswer* answers, std::uint32_t count, std::uint32_t* next) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The common part of the kernels of queries: a collision model in device memory, the stack of a warp, its traversal of
+// The common part of the kernels of queries: a body in device memory, the stack of a warp, its traversal of
 // the target's BVH, and the function that runs a kernel over a batch of queries from host memory, a warp per query.
 #pragma once
 
@@ -18,8 +18,8 @@ using collision::kLanes;
 // The most levels of a BVH: sixteen to the eighth power is the most triangles.
 inline constexpr int kMostLevels = 8;
 
-/// A model as kernels read it. Pointers are to device memory.
-struct DeviceModelView {
+/// A body as kernels read it. Pointers are to device memory.
+struct DeviceBodyView {
   collision::FieldView field;
   const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in BodyBvh
   const Boxes16* boxes[kMostLevels];
@@ -30,15 +30,15 @@ struct DeviceModelView {
   int top;  ///< the top level
 };
 
-/// Loads the corners of a triangle, by its index in the BVH, in the model's own coordinates.
-STANDOFF_DEVICE void load_corners(const DeviceModelView& model, std::uint32_t index, Triple<double> (&corner)[3]) {
-  const double* const at = model.corners + 9 * std::int64_t{index};
+/// Loads the corners of a triangle, by its index in the BVH, in the body's own coordinates.
+STANDOFF_DEVICE void load_corners(const DeviceBodyView& body, std::uint32_t index, Triple<double> (&corner)[3]) {
+  const double* const at = body.corners + 9 * std::int64_t{index};
   for (int k = 0; k < 3; ++k) corner[k] = {at[3 * k], at[3 * k + 1], at[3 * k + 2]};
 }
 
-class DeviceModel : public gpu::DeviceCopy {
+class DeviceBody : public gpu::DeviceCopy {
  public:
-  explicit DeviceModel(const collision::ModelData& data) {
+  explicit DeviceBody(const collision::BodyData& data) {
     static_assert(sizeof(standoff::Corners) == 9 * sizeof(double));
     gpu::Workspace measure(nullptr);
     lay_out(data, measure, [](auto*, const auto*, std::int64_t) {});
@@ -46,11 +46,11 @@ class DeviceModel : public gpu::DeviceCopy {
     gpu::Workspace arrays(memory_.as<void>());
     lay_out(data, arrays, [](auto* to, const auto* from, std::int64_t bytes) { copy_in(to, from, bytes); });
   }
-  const DeviceModelView& view() const { return view_; }
+  const DeviceBodyView& view() const { return view_; }
 
  private:
   template <class Copy>
-  void lay_out(const collision::ModelData& data, gpu::Workspace& arrays, Copy copy) {
+  void lay_out(const collision::BodyData& data, gpu::Workspace& arrays, Copy copy) {
     const auto put = [&]<class Values>(const Values& values) {
       using Value = std::remove_cv_t<typename Values::value_type>;
       const auto count = static_cast<std::int64_t>(values.size());
@@ -74,14 +74,13 @@ class DeviceModel : public gpu::DeviceCopy {
   }
 
   Memory memory_;
-  DeviceModelView view_{};
+  DeviceBodyView view_{};
 };
 
-/// The copy of the model on the current device.
-inline std::shared_ptr<const DeviceModel> device_model_of(const collision::ModelData& data, Backend backend,
-                                                          int device) {
-  return std::static_pointer_cast<const DeviceModel>(
-      data.device_models.get(backend, device, [&] { return std::make_shared<DeviceModel>(data); }));
+/// The copy of the body on the current device.
+inline std::shared_ptr<const DeviceBody> device_body_of(const collision::BodyData& data, Backend backend, int device) {
+  return std::static_pointer_cast<const DeviceBody>(
+      data.device_bodies.get(backend, device, [&] { return std::make_shared<DeviceBody>(data); }));
 }
 
 // A packet of sixteen nodes in one word: the low bits hold its index, which is below 2^28 for 2^32 triangles, the high
@@ -182,9 +181,9 @@ STANDOFF_DEVICE FlatBox box_in(const Boxes16& boxes, std::uint32_t n) {
 /// Calls use(this lane has one, its BVH index, its box), all lanes together, until it returns false. `words`: shared
 /// memory for `capacity` packets; if it does not suffice, the result is false, and triangles are missing.
 template <class Use>
-STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModelView& model, std::uint32_t* words,
+STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceBodyView& body, std::uint32_t* words,
                                            int capacity, Use use) {
-  NodeStack<std::uint32_t> nodes(words, capacity, packet_word(model.top, 0));
+  NodeStack<std::uint32_t> nodes(words, capacity, packet_word(body.top, 0));
   while (!nodes.empty()) {
     const std::uint32_t word = nodes.take(0, kNoPacket);
     const int level = level_of(word);
@@ -192,7 +191,7 @@ STANDOFF_DEVICE bool for_overlapping_boxes(const FlatBox& box, const DeviceModel
     FlatBox own{};
     bool near = word != kNoPacket;
     if (near) {
-      own = box_in(model.boxes[level][packet_of(word)], lane_in_warp() % kLanes);
+      own = box_in(body.boxes[level][packet_of(word)], lane_in_warp() % kLanes);
       near = overlap(own, box);
     }
     const std::uint32_t inner = __ballot_sync(kWarp, near && level > 0);

@@ -21,7 +21,7 @@ using collision::SweepQuery;
 inline constexpr unsigned kSweepThreads = 128;
 
 struct SweepTask {
-  DeviceModelView target, probe;
+  DeviceBodyView target, probe;
   const SweepQuery* queries;
   SweepAnswer* answers;
   std::uint32_t count;
@@ -193,8 +193,8 @@ __global__ void __launch_bounds__(kSweepThreads) advance_motions(SweepTask task)
 }
 
 inline void run_sweep(const collision::SweepJob& job, Backend backend) {
-  const auto target = device_model_of(job.target, backend, job.device),
-             probe = device_model_of(job.probe, backend, job.device);
+  const auto target = device_body_of(job.target, backend, job.device),
+             probe = device_body_of(job.probe, backend, job.device);
   run_queries<kSweepThreads>(
       "advance_motions", advance_motions, job.queries, job.answers,
       [&](const SweepQuery* queries, SweepAnswer* answers, std::uint32_t count, std::uint32_t* next) {

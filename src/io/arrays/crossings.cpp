@@ -8,8 +8,8 @@
 #include "core/number_text.h"
 #include "files/atomic_file.h"
 #include "io/field/npy.h"
+#include "standoff/crossings.h"
 #include "standoff/error.h"
-#include "standoff/hermite.h"
 
 namespace standoff {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/guarded.h"
+#include "core/memory.h"
 #include "core/progress.h"
 #include "files/file_view.h"
 #include "files/text.h"
@@ -44,8 +45,6 @@ std::string those_with(bool FieldFormat::*can) {
 }
 
 FieldFile read(const std::filesystem::path& path, const FieldReadOptions& options, bool sidecars) {
-  if (options.memory_limit < 0)
-    throw Error(ErrorCode::usage, "a memory limit must be zero or more bytes; give zero for none");
   const FieldFormat& format = format_of(path, ErrorCode::input);
   ProgressMeter meter(options.progress);
   meter.stage("read", 1, 0, 1);
@@ -53,7 +52,7 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   const FileView file(path, FileView::Access::map, meter);
   if (file.size() == 0) file.fail("the file is empty; write it again");
   try {
-    FieldFile found = format.read(file, {options.memory_limit, sidecars});
+    FieldFile found = format.read(file, {memory_limit_of(options.memory_limit), sidecars});
     meter.stage("done", 1, 1, 1);
     return found;
   } catch (const std::bad_alloc&) {

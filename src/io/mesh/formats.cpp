@@ -150,19 +150,18 @@ std::vector<std::string> notes(const MeshReadReport& report) try {
   throw_as_error("mesh");
 }
 
-Mesh read_mesh(const std::filesystem::path& path, const MeshReadOptions& options, MeshReadReport* report) try {
+MeshReadResult read_mesh(const std::filesystem::path& path, const MeshReadOptions& options) try {
   if (!(std::isfinite(options.scale) && options.scale > 0))
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
     ProgressMeter meter(options.progress);
     meter.stage("read", 1, 0, 1);
     const FileView file(path, FileView::Access::copy, meter);
-    MeshReadReport found;
-    Mesh mesh = read_any(file, found);
-    scale_vertices(file, mesh, options.scale);
-    if (report) *report = std::move(found);
+    MeshReadResult found;
+    found.mesh = read_any(file, found.report);
+    scale_vertices(file, found.mesh, options.scale);
     meter.stage("done", 1, 1, 1);
-    return mesh;
+    return found;
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::limit, path.string() + ": not enough memory for its triangles; provide more memory");
   }

@@ -48,7 +48,7 @@ PackedRow::PackedRow(const AskedAnswers& asked, const AnswerBlock& block, std::s
     put(it.distance);
     if (asked.closest) put(it.point);
     if (asked.triangle) put(it.triangle);
-    if (asked.barycentric) put(Vec3{it.weights[0], it.weights[1], it.weights[2]});
+    if (asked.barycentric) put(Vec3{it.barycentric[0], it.barycentric[1], it.barycentric[2]});
     if (asked.feature) put(it.triangle == kNoTriangle ? kNoFeature : static_cast<std::uint8_t>(it.feature));
     if (asked.gradient) put(block.gradients[n]);
   }

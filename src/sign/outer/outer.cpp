@@ -425,17 +425,19 @@ void plan_outer(MeshView mesh, const SignOptions& options, SignPlan& plan, Progr
     if (found.of[t] != Exposure::internal) plan.exposed.push_back(t);
 }
 
-ExposedTriangles exposed_triangles(MeshView mesh, const SignOptions& sign, const Execution& execution) try {
-  validate("exposed", execution, Runs::on_the_cpu);
+ExposedTriangles exposed_triangles(MeshView mesh, const ExposedOptions& options) try {
+  const SignOptions& sign = options.sign;
+  validate("exposed", options.execution, Runs::on_the_cpu);
   validate(sign);
   if (sign.method != SignMethod::winding && sign.method != SignMethod::automatic)
     throw Error(ErrorCode::usage, "exposed: inside must be by the winding number; take the sign method winding");
   validate(mesh);
-  return Threads(execution.threads).run([&] {
-    ProgressMeter unwatched;
-    SignPlan plan = plan_sign(mesh, sign, unwatched);
+  return Threads(options.execution.threads).run([&] {
+    ProgressMeter meter(options.progress);
+    meter.stage("exposed", 1, 0, 1);
+    SignPlan plan = plan_sign(mesh, sign, meter);
     expect_closed(plan, "exposed");
-    Exposures found = find_exposed({mesh, plan.use}, sign.rule, unwatched);
+    Exposures found = find_exposed({mesh, plan.use}, sign.rule, meter);
     plan.report.internal = found.internal;
     plan.report.cut = found.cut;
     return ExposedTriangles{std::move(found.of), found.internal, found.cut, std::move(plan.report)};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "tests/collision/solids.h"
 
 namespace standoff {

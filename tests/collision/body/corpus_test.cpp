@@ -47,7 +47,7 @@ TEST(BodyCorpus, GivesWhatTheTableSays) {
       expect_refused(bytes(kCorpus / name), answer);
       continue;
     }
-    const CollisionModel body = read_body(bytes(kCorpus / name));
+    const Body body = read_body(bytes(kCorpus / name));
     EXPECT_EQ(std::to_string(body.mesh().triangles.size()), answer);
     EXPECT_EQ(ask(body).value_or(ErrorCode::usage), ErrorCode::usage);
   }

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "collision/cpu/kernels.h"
 #include "geometry/predicates.h"
 #include "standoff/compute.h"
@@ -20,7 +20,7 @@ using namespace standoff::testing;
 using namespace standoff::collision;
 
 // Points around a body: near its surface, in its field's grid and outside.
-std::vector<Vec3> points_around(const CollisionModel& model, int count, unsigned seed) {
+std::vector<Vec3> points_around(const Body& model, int count, unsigned seed) {
   Random random(seed);
   std::vector<Vec3> points;
   const double half = data_of(model).radius;
@@ -30,7 +30,7 @@ std::vector<Vec3> points_around(const CollisionModel& model, int count, unsigned
 
 TEST(Bounds, GapsNeverExceedTheDistance) {
   for (const Mesh& mesh : {ball_mesh(1, 5, {7, 8, 9}), random_soup(3, 200, 1, 0.3), nasty_soup(2, 60, 3)}) {
-    const CollisionModel model(mesh, {.spacing = 0.07});
+    const Body model(mesh, {.spacing = 0.07});
     const auto& data = data_of(model);
     const std::vector<Vec3> points = points_around(model, 3200, 1);
     double worst = -1, tightest = 0;
@@ -58,7 +58,7 @@ TEST(Bounds, GapsNeverExceedTheDistance) {
 }
 
 TEST(Bounds, KernelsAgreeBitForBit) {
-  const CollisionModel model(random_soup(3, 200, 1, 0.3));
+  const Body model(random_soup(3, 200, 1, 0.3));
   const auto& data = data_of(model);
   const std::span<const Kernels* const> rows = all_kernels();
   const std::span<const Boxes16> boxes = data.bvh.tree.level(0);
@@ -88,7 +88,7 @@ TEST(Bounds, SamplesBoundTheDistanceBetweenThem) {
   const Mesh mesh = random_soup(5, 100, 1, 0.4);
   const double h = 0.1;
   const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, {.length = 0.3, .least_samples = 0});
-  const DistanceField field = compute(mesh, grid, kFullField).field;
+  const DistanceField field = compute(mesh, grid, kFullField, {.sign = {SignMethod::none}}).field;
   Random random(1);
   double worst_trilinear = 0;
   for (int n = 0; n < 3000; ++n) {
@@ -118,7 +118,7 @@ TEST(Bounds, BeyondABandHalfTheDiagonalIsNotEnough) {
   const double h = 1, w = 2;
   const Mesh point = one_triangle({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, 0.5});
   const Grid grid{{25, 25, 25}, {-12, -12, -12}, {h, h, h}};
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   const DistanceField field = compute(point, grid, w, options).field;
   std::vector<Vec3> band;
   for (std::int64_t k = 0; k < 25; ++k)
@@ -144,8 +144,8 @@ TEST(Bounds, AStoredNearestTriangleIsAnUpperBoundOnly) {
   const Mesh mesh = random_soup(6, 200, 1, 0.2);
   const double h = 0.15;
   const Grid grid = fit_spacing(bounds(mesh), {h, h, h}, {.length = 0.3, .least_samples = 0});
-  ComputeOptions options;
-  options.nearest_triangle = true;
+  ComputeOptions options{.sign = {SignMethod::none}};
+  options.nearest = true;
   const DistanceField field = compute(mesh, grid, kFullField, options).field;
   Random random(3);
   int wrong = 0;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "collision/cpu/kernels.h"
 #include "collision/node_pairs.h"
 #include "tests/collision/bodies.h"
@@ -129,8 +129,8 @@ TEST(OrientedBoxes, NoNearPairOfTrianglesIsLeftOut) {
 TEST(OrientedBoxes, OfABodyHoldTheirTriangles) {
   for (const Mesh& mesh : {ball_mesh(1, 20, {5, 6, 7}), random_soup(3, 700, 1, 0.2), random_soup(4, 5, 1e-9, 1e-10),
                            random_soup(5, 300, 1e9, 1e7, {1e10, 0, 0}), Mesh{{{0, 0, 0}}, {{0, 0, 0}}}}) {
-    const CollisionModel model(mesh);
-    const ModelData& data = data_of(model);
+    const Body model(mesh);
+    const BodyData& data = data_of(model);
     for (int level = 0; level <= data.bvh.top(); ++level) {
       const auto nodes = static_cast<std::uint32_t>(data.bvh.tree.level(level).size());
       for (std::uint32_t node = 0; node < nodes; ++node) {

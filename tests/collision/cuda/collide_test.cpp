@@ -27,15 +27,15 @@ struct Counts {
   BatchReport report;
 };
 
-void expect_touching(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b, const Pose& pose_b,
-                     const CollisionResult& found, double margin) {
+void expect_touching(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, const CollisionResult& found,
+                     double margin) {
   const Corners p = corners_at(a.mesh(), found.triangle_a, pose_a), q = corners_at(b.mesh(), found.triangle_b, pose_b);
   EXPECT_TRUE(triangles_intersect(p, q) || closest_points(p, q).distance_sq <= margin * margin);
 }
 
-Counts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                     const std::vector<Pose>& poses, double margin = 0, int stack = collision::kDeviceStack) {
-  const auto expected = collide_all(a, pose_a, b, poses, {.margin = margin}, {.backend = Backend::cpu});
+Counts expect_as_cpu(const Body& a, const Pose& pose_a, const Body& b, const std::vector<Pose>& poses,
+                     double margin = 0, int stack = collision::kDeviceStack) {
+  const auto expected = collide_all(a, pose_a, b, poses, {.margin = margin}, {.backend = Backend::cpu}).results;
   Counts counts;
   counts.report.backend = "emulated";
   const auto found = collision::collide_on_device(*collision::find_device(testing::kEmulated, poses.size()), a, pose_a,
@@ -65,7 +65,7 @@ void expect_both(const Counts& counts, int poses) {
 }
 
 TEST(CudaCollide, AgreesWithTheCpu) {
-  const CollisionModel ball(ball_mesh(1, 12)), soup(random_soup(4, 300, 1, 0.2)), small(ball_mesh(0.7, 5));
+  const Body ball(ball_mesh(1, 12)), soup(random_soup(4, 300, 1, 0.2)), small(ball_mesh(0.7, 5));
   for (const Order order : kOrders) {
     SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)));
     const OrderScope scope(order, 11);
@@ -75,7 +75,7 @@ TEST(CudaCollide, AgreesWithTheCpu) {
 }
 
 TEST(CudaCollide, AgreesWithTheCpuWithinAMargin) {
-  const CollisionModel ball(ball_mesh(1, 8)), soup(random_soup(3, 100, 1, 0.2)), small(ball_mesh(0.5, 3));
+  const Body ball(ball_mesh(1, 8)), soup(random_soup(3, 100, 1, 0.2)), small(ball_mesh(0.5, 3));
   for (const double margin : {1e-6, 0.05, 0.4}) {
     SCOPED_TRACE("margin " + std::to_string(margin));
     expect_both(expect_as_cpu(ball, {}, small, random_poses(3, 300, 2), margin), 300);
@@ -84,7 +84,7 @@ TEST(CudaCollide, AgreesWithTheCpuWithinAMargin) {
 }
 
 TEST(CudaCollide, BothBodiesMovedAndEitherTheLarger) {
-  const CollisionModel large(ball_mesh(1, 7)), small(random_soup(5, 60, 0.4, 0.4));
+  const Body large(ball_mesh(1, 7)), small(random_soup(5, 60, 0.4, 0.4));
   Random random(6);
   for (int n = 0; n < 3; ++n) {
     const Pose pose = random_pose(random, 1);
@@ -105,7 +105,7 @@ TEST(CudaCollide, TouchingExactly) {
     const Vec3 at = random.in_cube(5);
     poses.push_back({kTurns[n % 3], {std::round(at.x), std::round(at.y), std::round(at.z)}});
   }
-  const CollisionModel a(nasty_soup(1, 40, 2)), b(nasty_soup(2, 20, 2));
+  const Body a(nasty_soup(1, 40, 2)), b(nasty_soup(2, 20, 2));
   std::int64_t undecided = 0;
   for (const double margin : {0.0, 0.5}) {
     const Counts counts = expect_as_cpu(a, {}, b, poses, margin);
@@ -114,7 +114,7 @@ TEST(CudaCollide, TouchingExactly) {
   }
   EXPECT_GT(undecided, 10);
 
-  const CollisionModel lower(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
+  const Body lower(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
       upper(one_triangle({0, 0, 0}, {-1, 0, 1}, {-1, 1, 1}));
   const double next = std::nextafter(1.0, 2.0);
   const Counts counts = expect_as_cpu(lower, {}, upper,
@@ -127,7 +127,7 @@ TEST(CudaCollide, TouchingExactly) {
 }
 
 TEST(CudaCollide, ScenesAndOneTriangle) {
-  const CollisionModel maze(scenes::make("labyrinth", 2000)), fly(scenes::make("fly", 300));
+  const Body maze(scenes::make("labyrinth", 2000)), fly(scenes::make("fly", 300));
   const Box box = maze.bounds();
   Random random(9);
   std::vector<Pose> poses = random_poses(10, 150, 1);
@@ -138,7 +138,7 @@ TEST(CudaCollide, ScenesAndOneTriangle) {
   const Counts counts = expect_as_cpu(maze, {}, fly, poses);
   expect_both(counts, 150);
   EXPECT_GT(counts.report.on_device, 100);
-  const CollisionModel point(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
+  const Body point(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
   expect_as_cpu(maze, {}, point, poses);
 }
 
@@ -149,12 +149,12 @@ TEST(CudaCollide, FarFromTheOriginAndInOtherUnits) {
     for (Vec3& v : a.vertices) v = v + far;
     std::vector<Pose> poses = random_poses(12, 100, 1.8);
     for (Pose& pose : poses) pose.translation = pose.translation * unit + far;
-    expect_both(expect_as_cpu(CollisionModel(a), {}, CollisionModel(b), poses), 100);
+    expect_both(expect_as_cpu(Body(a), {}, Body(b), poses), 100);
   }
 }
 
 TEST(CudaCollide, WhereTheStackIsFullTheCpuAnswers) {
-  const CollisionModel ball(ball_mesh(1, 12)), soup(random_soup(13, 600, 1, 0.2));
+  const Body ball(ball_mesh(1, 12)), soup(random_soup(13, 600, 1, 0.2));
   const std::vector<Pose> poses = random_poses(14, 120, 1.2);
   std::int64_t before = 0;
   for (const int stack : {40, 12, 2}) {
@@ -164,32 +164,32 @@ TEST(CudaCollide, WhereTheStackIsFullTheCpuAnswers) {
   }
   EXPECT_GT(before, 30);
   // The BVH of a single triangle never waits on the stack: the boxes of the other body overflow.
-  const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
+  const Body one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
   EXPECT_GT(expect_as_cpu(soup, {}, one, poses, 0, 2).report.overflowed, 20);
 }
 
 TEST(CudaCollide, ThePublicCallSaysWhatItDid) {
-  const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
+  const Body a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const std::vector<Pose> poses = random_poses(15, 20, 1.3);
-  BatchReport report;
-  const auto found = collide_all(a, {}, b, poses, {}, kEmulation, &report);
-  const auto expected = collide_all(a, {}, b, poses, {}, {.threads = 1});
+  const auto [found, report] = collide_all(a, {}, b, poses, {}, kEmulation);
+  const auto expected = collide_all(a, {}, b, poses, {}, {.threads = 1}).results;
   for (std::size_t n = 0; n < poses.size(); ++n) EXPECT_EQ(found[n].verdict, expected[n].verdict);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
-  EXPECT_TRUE(collide_all(a, {}, b, {}, {}, kEmulation, &report).empty());
-  EXPECT_EQ(report.on_device, 0);
-  static_cast<void>(collide_all(a, {}, b, poses, {}, {.threads = 1}, &report));
-  EXPECT_EQ(report.backend, "cpu");
-  static_cast<void>(collide_all(a, {}, b, poses, {}, {.backend = Backend::automatic}, &report));
-  EXPECT_EQ(report.backend, "cpu");
+  const auto none = collide_all(a, {}, b, {}, {}, kEmulation);
+  EXPECT_TRUE(none.results.empty());
+  EXPECT_EQ(none.report.on_device, 0);
+  EXPECT_EQ(collide_all(a, {}, b, poses, {}, {.threads = 1}).report.backend, "cpu");
+  EXPECT_EQ(collide_all(a, {}, b, poses, {}, {.backend = Backend::automatic}).report.backend, "cpu");
+  EXPECT_EQ(distance_all(a, {}, b, poses).report.backend, "cpu");
+  EXPECT_EQ(contacts_all(a, {}, b, poses).report.backend, "cpu");
 }
 
 TEST(CudaCollide, Errors) {
-  const CollisionModel a(ball_mesh(1, 2));
+  const Body a(ball_mesh(1, 2));
   std::vector<Pose> poses(3);
   const auto run = [&](const CollideOptions& options, const Execution& batch) {
-    return code_of([&] { static_cast<void>(collide_all(a, {}, a, poses, options, batch)); });
+    return code_of([&] { static_cast<void>(collide_all(a, {}, a, poses, options, batch).results); });
   };
   if (cuda::devices().empty()) {
     EXPECT_EQ(run({}, {.backend = Backend::cuda}), ErrorCode::device);
@@ -202,21 +202,21 @@ TEST(CudaCollide, Errors) {
 }
 
 TEST(CudaCollide, ABodyIsCopiedToADeviceOnce) {
-  const CollisionModel a(ball_mesh(1, 3)), b(ball_mesh(0.5, 3));
-  const CollisionModel shared = a;
+  const Body a(ball_mesh(1, 3)), b(ball_mesh(0.5, 3));
+  const Body shared = a;
   const std::vector<Pose> poses = random_poses(16, 4, 1);
-  static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulation));
+  static_cast<void>(collide_all(a, {}, b, poses, {}, kEmulation).results);
   const auto never = []() -> std::shared_ptr<const gpu::DeviceCopy> {
     ADD_FAILURE() << "copied again";
     return nullptr;
   };
   std::weak_ptr<const gpu::DeviceCopy> copy =
-      collision::data_of(shared).device_models.get(testing::kEmulated, 0, never);
+      collision::data_of(shared).device_bodies.get(testing::kEmulated, 0, never);
   EXPECT_FALSE(copy.expired());
   {
-    const CollisionModel gone(ball_mesh(1, 3));
-    static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulation));
-    copy = collision::data_of(gone).device_models.get(testing::kEmulated, 0, never);
+    const Body gone(ball_mesh(1, 3));
+    static_cast<void>(collide_all(gone, {}, b, poses, {}, kEmulation).results);
+    copy = collision::data_of(gone).device_bodies.get(testing::kEmulated, 0, never);
     EXPECT_FALSE(copy.expired());
   }
   EXPECT_TRUE(copy.expired());

@@ -24,12 +24,12 @@ const Execution kOnEmulation{.threads = 2, .backend = testing::kEmulated};
 
 RigidMotion random_motion(Random& random, double half, double translation, double turn, Vec3 around = {}) {
   RigidMotion motion;
-  motion.from = random_pose(random, half);
-  motion.from.translation = motion.from.translation + around;
+  motion.start = random_pose(random, half);
+  motion.start.translation = motion.start.translation + around;
   motion.center = random.in_cube(0.5);
   const Pose delta = make_pose(random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(0, turn), {});
-  motion.to.rotation = turn > 0 ? compose(delta, motion.from).rotation : motion.from.rotation;
-  motion.to.translation = motion.from.translation + random.in_cube(translation);
+  motion.end.rotation = turn > 0 ? compose(delta, motion.start).rotation : motion.start.rotation;
+  motion.end.translation = motion.start.translation + random.in_cube(translation);
   return motion;
 }
 
@@ -46,10 +46,9 @@ struct SweepCounts {
   BatchReport report;
 };
 
-SweepCounts expect_as_cpu(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                          const std::vector<RigidMotion>& motions, double tolerance,
-                          int stack = collision::kDeviceStack) {
-  const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu});
+SweepCounts expect_as_cpu(const Body& a, const Pose& pose_a, const Body& b, const std::vector<RigidMotion>& motions,
+                          double tolerance, int stack = collision::kDeviceStack) {
+  const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu}).results;
   SweepCounts counts;
   const auto found = collision::sweep_on_device(*collision::find_device(testing::kEmulated, 1), a, pose_a, b, motions,
                                                 tolerance, kOnEmulation, counts.report, stack);
@@ -75,7 +74,7 @@ void expect_both(const SweepCounts& counts, int motions) {
 }
 
 TEST(CudaSweep, MissesNothing) {
-  const CollisionModel ball(ball_mesh(1, 12)), soup(random_soup(3, 40, 1, 0.5)), small(random_soup(5, 30, 0.3, 0.4));
+  const Body ball(ball_mesh(1, 12)), soup(random_soup(3, 40, 1, 0.5)), small(random_soup(5, 30, 0.3, 0.4));
   for (const Order order : {Order::forward, Order::reverse, Order::random}) {
     SCOPED_TRACE("order " + std::to_string(static_cast<int>(order)));
     const OrderScope scope(order, 11);
@@ -85,7 +84,7 @@ TEST(CudaSweep, MissesNothing) {
 }
 
 TEST(CudaSweep, EitherTheLargerAndBothPlaced) {
-  const CollisionModel large(ball_mesh(1, 7)), small(random_soup(6, 40, 0.4, 0.4));
+  const Body large(ball_mesh(1, 7)), small(random_soup(6, 40, 0.4, 0.4));
   Random random(7);
   for (int n = 0; n < 2; ++n) {
     const Pose pose = random_pose(random, 5);
@@ -96,7 +95,7 @@ TEST(CudaSweep, EitherTheLargerAndBothPlaced) {
 }
 
 TEST(CudaSweep, WhatPassesWithinTheToleranceIsNotFree) {
-  const CollisionModel large(ball_mesh(1, 7)), small(random_soup(16, 20, 0.1, 0.1));
+  const Body large(ball_mesh(1, 7)), small(random_soup(16, 20, 0.1, 0.1));
   const SweepCounts counts = expect_as_cpu(large, {}, small, random_motions(17, 300, 2.5, 4, 1), 0.25);
   expect_both(counts, 300);
 }
@@ -105,11 +104,11 @@ TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
   for (const double unit : {1e-9, 1e9}) {
     SCOPED_TRACE(unit);
     const Vec3 far = Vec3{3e3, -2e4, 77} * unit;
-    const CollisionModel large(ball_mesh(unit, 5, far)), small(random_soup(22, 30, 0.3 * unit, 0.4 * unit));
+    const Body large(ball_mesh(unit, 5, far)), small(random_soup(22, 30, 0.3 * unit, 0.4 * unit));
     std::vector<RigidMotion> motions = random_motions(23, 120, 2.5, 3, 2);
     for (RigidMotion& motion : motions) {
       motion.center = motion.center * unit;
-      for (Pose* pose : {&motion.from, &motion.to}) pose->translation = pose->translation * unit + far;
+      for (Pose* pose : {&motion.start, &motion.end}) pose->translation = pose->translation * unit + far;
     }
     expect_both(expect_as_cpu(large, {}, small, motions, 1e-3 * unit), 120);
     expect_as_cpu(small, {}, large, motions, 1e-3 * unit);
@@ -119,7 +118,7 @@ TEST(CudaSweep, FarFromTheOriginAndInOtherUnits) {
 // Coarse fields let triangles look far ahead, where their paths are arcs: a stake that stands where the arc is farthest
 // from its chord.
 TEST(CudaSweep, TurningOnTheSpot) {
-  const CollisionModel stake(one_triangle({1, 0, -0.5}, {1.01, 0, 0.5}, {1.01, 0.01, 0.5}), {.spacing = 1}),
+  const Body stake(one_triangle({1, 0, -0.5}, {1.01, 0, 0.5}, {1.01, 0.01, 0.5}), {.spacing = 1}),
       fin(one_triangle({1, 0, -0.3}, {1.01, 0, 0.3}, {1.02, 0.01, 0.3}));
   std::vector<RigidMotion> motions;
   for (double angle = -1.2; angle < 0.3; angle += 0.02)
@@ -131,7 +130,7 @@ TEST(CudaSweep, TurningOnTheSpot) {
 }
 
 TEST(CudaSweep, FastAndSlowAndNotAtAll) {
-  const CollisionModel large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
+  const Body large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
   for (const double translation : {0.02, 40.0}) {
     SCOPED_TRACE("translation " + std::to_string(translation));
     const SweepCounts counts = expect_as_cpu(large, {}, small, random_motions(10, 200, 2, translation, 0.5), 1e-4);
@@ -139,12 +138,12 @@ TEST(CudaSweep, FastAndSlowAndNotAtAll) {
     EXPECT_GT(counts.hits, 5);
   }
   std::vector<RigidMotion> still = random_motions(11, 60, 1.5, 1, 1);
-  for (RigidMotion& motion : still) motion.to = motion.from;
+  for (RigidMotion& motion : still) motion.end = motion.start;
   EXPECT_GT(expect_as_cpu(large, {}, small, still, 1e-4).hits, 5);
 }
 
 TEST(CudaSweep, Scenes) {
-  const CollisionModel maze(scenes::make("labyrinth", 2000)), fly(scenes::make("fly", 300));
+  const Body maze(scenes::make("labyrinth", 2000)), fly(scenes::make("fly", 300));
   const Box box = maze.bounds();
   Random random(12);
   std::vector<RigidMotion> motions;
@@ -157,7 +156,7 @@ TEST(CudaSweep, Scenes) {
 }
 
 TEST(CudaSweep, WhereTheStackIsFullTheCpuAnswers) {
-  const CollisionModel ball(ball_mesh(1, 12)), soup(random_soup(13, 600, 0.5, 0.2));
+  const Body ball(ball_mesh(1, 12)), soup(random_soup(13, 600, 0.5, 0.2));
   std::int64_t before = 0;
   for (const int stack : {20, 2}) {
     const SweepCounts counts = expect_as_cpu(ball, {}, soup, random_motions(14, 80, 2, 3, 1), 1e-3, stack);
@@ -166,23 +165,22 @@ TEST(CudaSweep, WhereTheStackIsFullTheCpuAnswers) {
   }
   EXPECT_GT(before, 20);
   // The BVH of a single triangle never waits on the stack: the boxes of the other body overflow.
-  const CollisionModel one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
+  const Body one(one_triangle({0, 0, 0}, {0.3, 0, 0}, {0, 0.3, 0}));
   EXPECT_GT(expect_as_cpu(soup, {}, one, random_motions(18, 80, 1, 1, 1), 1e-3, 2).report.overflowed, 20);
 }
 
 TEST(CudaSweep, ThePublicCallSaysWhatItDid) {
-  const CollisionModel a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
+  const Body a(ball_mesh(1, 4)), b(ball_mesh(0.5, 3));
   const auto motions = random_motions(15, 40, 2.5, 3, 1);
-  BatchReport report;
-  const auto found = sweep_all(a, {}, b, motions, {}, kOnEmulation, &report);
-  const auto expected = sweep_all(a, {}, b, motions, {}, {.threads = 1});
+  const auto [found, report] = sweep_all(a, {}, b, motions, {}, kOnEmulation);
+  const auto expected = sweep_all(a, {}, b, motions, {}, {.threads = 1}).results;
   for (std::size_t n = 0; n < motions.size(); ++n) EXPECT_EQ(found[n].hit, expected[n].hit);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_GT(report.on_device, 0);
   EXPECT_GT(report.undecided, 0);
   if (!cuda::devices().empty()) return;
   try {
-    static_cast<void>(sweep_all(a, {}, b, motions, {}, {.backend = Backend::cuda}));
+    static_cast<void>(sweep_all(a, {}, b, motions, {}, {.backend = Backend::cuda}).results);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::device);

@@ -32,7 +32,7 @@ inline void check_sweep(const PlacedPair& at, const RigidMotion& motion, double 
   try {
     swept = sweep(at.model_a, at.pose_a, at.model_b, motion, {tolerance});
   } catch (const Error& error) {  // points, on paths on which rounding moves them by more than the tolerance
-    const double far = length(apply(motion.to, motion.center) - apply(motion.from, motion.center));
+    const double far = length(apply(motion.end, motion.center) - apply(motion.start, motion.center));
     found.count("sweeps refused, for their length");
     found.expect(error.code() == ErrorCode::usage && far > 2e15 * tolerance, "sweep: refused, but not that long");
     return;
@@ -44,9 +44,9 @@ inline void check_sweep(const PlacedPair& at, const RigidMotion& motion, double 
     found.expect(swept.hit && swept.time == 0, "sweep: no hit at the start, where they touch");
     return;
   }
-  const Vec3 translation = motion.to.translation - motion.from.translation;
+  const Vec3 translation = motion.end.translation - motion.start.translation;
   const double allowed =
-      at.allowed.on_path(length(translation), length(motion.from.translation) + length(at.pose_a.translation));
+      at.allowed.on_path(length(translation), length(motion.start.translation) + length(at.pose_a.translation));
   // Before the time they are apart: at positions on the path.
   for (int k = 0; k < 5; ++k) {
     const double t = k == 0 ? meeting : k == 1 ? 1 : swept.time * random.between(0, 1);
@@ -54,7 +54,7 @@ inline void check_sweep(const PlacedPair& at, const RigidMotion& motion, double 
     const PlacedBody b(at.model_b.mesh(), pose_at(motion, t));
     found.expect(touching_pairs(at.a, b).empty(), "sweep: they touch before its time, or on a free path");
   }
-  const bool straight = motion.from.rotation == motion.to.rotation;
+  const bool straight = motion.start.rotation == motion.end.rotation;
   if (straight) {
     found.count("straight sweeps");
     found.off("sweep: how deep they get into each other before its time, or on a free path",

@@ -10,13 +10,13 @@
 namespace standoff::testing {
 
 struct PlacedPair {
-  const CollisionModel &model_a, &model_b;
+  const Body &model_a, &model_b;
   Pose pose_a, pose_b;
   PlacedBody a, b;
   TrianglePairs touching;
   Allowed allowed;  ///< of both bodies
 
-  PlacedPair(const CollisionModel& of_a, const Pose& at_a, const CollisionModel& of_b, const Pose& at_b)
+  PlacedPair(const Body& of_a, const Pose& at_a, const Body& of_b, const Pose& at_b)
       : model_a(of_a),
         model_b(of_b),
         pose_a(at_a),

@@ -19,7 +19,7 @@ namespace {
 using namespace standoff::testing;
 
 // Fields decide little here: coarse ones are made fast.
-const ModelOptions kCoarse{.spacing = 0.5, .execution = {.threads = 1}};
+const BodyOptions kCoarse{.spacing = 0.5, .execution = {.threads = 1}};
 
 // Pairs of a body with its partner, and in how many poses, each time with other rounding: many cost less each, and few
 // have less slack to hide in, which grows with the body.
@@ -36,9 +36,9 @@ std::pair<Pose, Pose> poses(Random& random, int n) {
 }
 
 // What a GPU's kernels say, emulated, of the second body at each of the poses.
-void check_emulated(const CollisionModel& a, const CollisionModel& b, const std::vector<Pose>& poses, Findings& found) {
+void check_emulated(const Body& a, const Body& b, const std::vector<Pose>& poses, Findings& found) {
   const Execution emulated{.threads = 1, .backend = testing::kEmulated};
-  const auto answers = collide_all(a, {}, b, poses, {}, emulated);
+  const auto answers = collide_all(a, {}, b, poses, {}, emulated).results;
   for (std::size_t n = 0; n < poses.size(); ++n) {
     const bool expected = !touching_pairs({a.mesh(), {}}, {b.mesh(), poses[n]}).empty();
     found.count("emulated poses");
@@ -58,7 +58,7 @@ TEST_P(Slivers, TouchWhereTheyDo) {
   for (unsigned seed = first; pairs < wanted; ++seed) {
     const auto& [count, poses_of_a_body] = kBodies[seed % std::size(kBodies)];
     const SliverBodies bodies = sliver_bodies(seed, ratio, count);
-    const CollisionModel a(bodies.a, kCoarse), b(bodies.b, kCoarse);
+    const Body a(bodies.a, kCoarse), b(bodies.b, kCoarse);
     Random random(seed);
     std::vector<Pose> of_b;
     for (int n = 0; n < poses_of_a_body; ++n, pairs += count) {

@@ -51,7 +51,7 @@ Herds herds(Random& random) {
 }
 
 // Coarse fields are made fast; some are finer, and decide more.
-ModelOptions model_options(const Mesh& mesh, unsigned seed) {
+BodyOptions model_options(const Mesh& mesh, unsigned seed) {
   const double size = longest(bounds(mesh)), samples = seed % 16 == 5 ? 32 : 4;
   return {size > 0 ? size / samples : 0, {.threads = 1}};
 }
@@ -77,8 +77,8 @@ Pose resting_pose(Random& random, double size) {
 RigidMotion motion_through(Random& random, const Pose& pose, double meeting, double size) {
   const Vec3 translation = direction(random) * (size * log_between(random, 1e-6, 1e3));
   RigidMotion motion{pose, pose, {}};
-  motion.from.translation = pose.translation - translation * meeting;
-  motion.to.translation = pose.translation + translation * (1 - meeting);
+  motion.start.translation = pose.translation - translation * meeting;
+  motion.end.translation = pose.translation + translation * (1 - meeting);
   return motion;
 }
 
@@ -92,8 +92,8 @@ void print(const char* option, const Pose& pose) {
   }
 }
 void show(const RigidMotion& motion, double tolerance) {
-  print("--from", motion.from);
-  print("--to", motion.to);
+  print("--from", motion.start);
+  print("--to", motion.end);
   std::printf("--center=%.17g,%.17g,%.17g --tolerance=%.17g\n", motion.center.x, motion.center.y, motion.center.z,
               tolerance);
 }
@@ -109,22 +109,22 @@ void check_sweeps(const PlacedPair& at, double size, int n, Random& random, bool
   RigidMotion motion = motion_through(random, at.pose_b, meeting, size);
   if (n % 3 == 1) {  // turning into the pose
     const Pose turn = make_pose(direction(random), random.between(0, 3), {});
-    motion.to = at.pose_b;
-    motion.from.rotation = compose(turn, at.pose_b).rotation;
+    motion.end = at.pose_b;
+    motion.start.rotation = compose(turn, at.pose_b).rotation;
     motion.center = at.model_b.bounds().center();
     meeting = 1;
   }
   if (shown) show(motion, tolerance);
-  const PlacedPair start(at.model_a, at.pose_a, at.model_b, motion.from);
+  const PlacedPair start(at.model_a, at.pose_a, at.model_b, motion.start);
   check_sweep(start, motion, tolerance, meeting, random, found);
 }
 
 // What a GPU's kernels say, emulated, where the same is promised.
-void check_emulated(const CollisionModel& a, const Pose& pose_a, const CollisionModel& b,
-                    const std::vector<Pose>& poses, double size, Findings& found) {
+void check_emulated(const Body& a, const Pose& pose_a, const Body& b, const std::vector<Pose>& poses, double size,
+                    Findings& found) {
   for (const double margin : {0.0, 0.01 * size}) {
-    const auto device = collide_all(a, pose_a, b, poses, {.margin = margin}, kEmulation);
-    const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, {.threads = 1});
+    const auto device = collide_all(a, pose_a, b, poses, {.margin = margin}, kEmulation).results;
+    const auto cpu = collide_all(a, pose_a, b, poses, {.margin = margin}, {.threads = 1}).results;
     for (std::size_t n = 0; n < poses.size(); ++n) {
       found.count("emulated poses");
       found.expect(device[n].verdict == cpu[n].verdict, "collide: emulated, another answer");
@@ -137,10 +137,10 @@ void check_emulated(const CollisionModel& a, const Pose& pose_a, const Collision
   std::vector<RigidMotion> motions;
   for (std::size_t n = 1; n < poses.size(); n += 2) {
     motions.push_back({poses[n], poses[n], {}});
-    motions.back().to.translation = poses[n].translation + (poses[n - 1].translation - poses[n].translation) * 0.1;
+    motions.back().end.translation = poses[n].translation + (poses[n - 1].translation - poses[n].translation) * 0.1;
   }
-  const auto device = sweep_all(a, pose_a, b, motions, {1e-4 * size}, kEmulation);
-  const auto cpu = sweep_all(a, pose_a, b, motions, {1e-4 * size}, {.threads = 1});
+  const auto device = sweep_all(a, pose_a, b, motions, {1e-4 * size}, kEmulation).results;
+  const auto cpu = sweep_all(a, pose_a, b, motions, {1e-4 * size}, {.threads = 1}).results;
   for (std::size_t n = 0; n < motions.size(); ++n) {
     found.count("emulated sweeps");
     found.expect(device[n].hit == cpu[n].hit && device[n].time == cpu[n].time, "sweep: emulated, another answer");
@@ -157,7 +157,7 @@ void show(const Herds& of, const Pose& pose_a, const Pose& pose_b) {
 void check_pair(unsigned seed, Findings& found) {
   Random random(seed);
   const Herds of = herds(random);
-  const CollisionModel a(of.a, model_options(of.a, seed)), b(of.b, model_options(of.b, seed));
+  const Body a(of.a, model_options(of.a, seed)), b(of.b, model_options(of.b, seed));
   const Pose pose_a = resting_pose(random, of.size);
   std::vector<Pose> poses;
   for (int n = 0; n < kPosesOfAPair; ++n) {

@@ -29,7 +29,7 @@ struct Binned {
 
 Binned binned(const Mesh& mesh, double thickness, std::int64_t most_refs, Reach reach = Reach::distance,
               int threads = 2, std::vector<std::uint32_t> kept = {}) {
-  const ComputeOptions options;
+  const ComputeOptions options{.sign = {SignMethod::none}};
   ProgressMeter progress(options.progress);
   const Job job{mesh, kept, kBinsGrid, thickness, threads, Simd::automatic, progress};
   const cpu::BlockLattice lattice = cpu::make_block_lattice(kBinsGrid, thickness);

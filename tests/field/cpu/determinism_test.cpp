@@ -98,8 +98,8 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
   const auto samples = static_cast<std::size_t>(kGrid.sample_count());
   for (const double thickness : kThicknesses) {
     const ComputeResult sparse = computed(mesh, kGrid, thickness);
-    ComputeOptions options;
-    options.nearest_triangle = true;
+    ComputeOptions options{.sign = {SignMethod::none}};
+    options.nearest = true;
     std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
     std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
     const ComputeReport report = compute_into(mesh, kGrid, thickness, values, nearest, options);
@@ -108,7 +108,7 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
     EXPECT_EQ(report.samples_band, sparse.report.samples_band);
 
     std::vector<float> alone(samples, std::numeric_limits<float>::quiet_NaN());
-    options.nearest_triangle = false;
+    options.nearest = false;
     compute_into(mesh, kGrid, thickness, alone, options);
     EXPECT_TRUE(values == alone) << "asking for nearest triangles changes no value";
   }
@@ -117,8 +117,8 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
 TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
   const Mesh mesh = mixed_mesh(300);
   for (const double thickness : kThicknesses) {
-    ComputeOptions options;
-    options.nearest_triangle = true;
+    ComputeOptions options{.sign = {SignMethod::none}};
+    options.nearest = true;
     options.skip.kind = SkipRule::Kind::exact;
     const ComputeResult skipped = compute(mesh, kGrid, thickness, options);
     EXPECT_GT(skipped.report.skipped, 0);

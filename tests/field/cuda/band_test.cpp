@@ -17,9 +17,9 @@ namespace standoff::emulated {
 namespace {
 
 ComputeResult on(Backend backend, const Mesh& mesh, const Grid& grid, double thickness) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = backend;
-  options.nearest_triangle = true;
+  options.nearest = true;
   options.execution.threads = 2;
   return compute(mesh, grid, thickness, options);
 }

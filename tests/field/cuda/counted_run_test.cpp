@@ -17,10 +17,10 @@ namespace standoff {
 namespace {
 
 ComputeOptions emulated(Method method = Method::tiles) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = testing::kEmulated;
   options.method = method;
-  options.nearest_triangle = true;
+  options.nearest = true;
   return options;
 }
 
@@ -89,7 +89,7 @@ TEST(CudaCountedRun, RoomIsMadeForWhatWasCounted) {
 // were once copied too, which is harmless, but initcheck reports it.
 TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
   const Mesh mesh = scenes::make("bender", 400);
-  const Grid grid = fit_samples(bounds(mesh), 60, {.length = 2, .least_samples = 0});
+  const Grid grid = fit_resolution(bounds(mesh), 60, {.length = 2, .least_samples = 0});
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double spacings : {0.5, 6.0}) {
       const std::int64_t before = emulated::unwritten_words_copied;
@@ -103,7 +103,7 @@ TEST(CudaCountedRun, NothingIsCopiedThatNobodyWrote) {
 TEST(CudaCountedRun, SomeSlotsAreNeverWritten) {
   using namespace emulated;
   const Mesh mesh = scenes::make("bender", 400);
-  const Grid grid = fit_samples(bounds(mesh), 60, {.length = 2, .least_samples = 0});
+  const Grid grid = fit_resolution(bounds(mesh), 60, {.length = 2, .least_samples = 0});
   const CountedRun run = run_of(mesh, grid, 0.5 * grid.max_spacing());
   std::int64_t stored = 0;
   for (std::int64_t tile = 0; tile < tile_count(grid.size); ++tile) stored += run.output().slots[tile] >= 0;

@@ -79,11 +79,11 @@ class OnDevice {
 Mesh some_mesh() { return testing::random_soup(61, 120, 4, 1.2); }
 
 DistanceField expected(const Mesh& mesh, double thickness, Method method = Method::tiles) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = Backend::cpu;
   options.method = method;
   options.skip.kind = SkipRule::Kind::none;
-  options.nearest_triangle = true;
+  options.nearest = true;
   return compute(mesh, kDeviceGrid, thickness, options).field;
 }
 

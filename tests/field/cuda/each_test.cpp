@@ -15,6 +15,7 @@
 #include "standoff/error.h"
 #include "tests/field/cuda/on_stream.h"
 #include "tests/support/fields.h"
+#include "tests/support/on_stream.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -83,7 +84,7 @@ TEST(CudaEach, MeshesOfAllSizesLayoutsAndMethodsGiveTheBitsOfTheCpu) {
     EXPECT_TRUE(batch.has_the_bits_of_the_cpu(n));
     const FieldRequest& r = batch.requests[n];
     std::vector<float> alone(batch.fields[n].size());
-    const ComputeReport expected = cuda::compute_into(r.mesh, r.grid, r.thickness, alone.data(), r.method, kEmulated);
+    const ComputeReport expected = testing::compute_one(r.mesh, r.grid, r.thickness, alone.data(), r.method, kEmulated);
     const auto& report = std::get<ComputeReport>(answers[n]);
     EXPECT_EQ(report.method, r.method == Method::thesis ? "thesis" : "tiles");
     EXPECT_EQ(report.triangles, expected.triangles);
@@ -133,7 +134,7 @@ TEST(CudaEach, ErrorsAreThoseOfSingleMeshes) {
     EXPECT_TRUE(batch.is_untouched(n));
     const FieldRequest& r = batch.requests[n];
     try {
-      cuda::compute_into(r.mesh, r.grid, r.thickness, r.values, r.method, kEmulated);
+      testing::compute_one(r.mesh, r.grid, r.thickness, r.values, r.method, kEmulated);
       ADD_FAILURE();
     } catch (const Error& alone) {
       EXPECT_STREQ(error->what(), alone.what());

@@ -36,10 +36,10 @@ Mesh mixed_mesh(Vec3 at = {}) {
 const Grid kCudaGrid{{25, 19, 18}, {-6, -5, -4.5}, {0.5, 0.5, 0.5}};
 
 ComputeResult on(Backend backend, Method method, MeshView mesh, const Grid& grid, double thickness) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.method = method;
   options.execution.backend = backend;
-  options.nearest_triangle = true;
+  options.nearest = true;
   options.execution.threads = 2;
   return compute(mesh, grid, thickness, options);
 }
@@ -113,7 +113,7 @@ TEST(CudaFields, Scenes) {
   for (const char* name : {"sphere", "labyrinth", "fly"}) {
     SCOPED_TRACE(name);
     const Mesh mesh = scenes::make(name, 300);
-    const Grid grid = fit_samples(bounds(mesh), 20, {.least_samples = 0});
+    const Grid grid = fit_resolution(bounds(mesh), 20, {.least_samples = 0});
     for (const double thickness : {2 * grid.max_spacing(), kInfinity}) {
       const OrderScope scope(Order::random, 5);
       testing::expect_same_bits(on(Backend::cpu, Method::tiles, mesh, grid, thickness).field,
@@ -124,7 +124,7 @@ TEST(CudaFields, Scenes) {
 
 TEST(CudaFields, IntoDenseMemory) {
   const Mesh mesh = mixed_mesh();
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   std::vector<float> cpu(static_cast<std::size_t>(kCudaGrid.sample_count())), gpu(cpu.size(), -7);
   options.execution.backend = Backend::cpu;
   compute_into(mesh, kCudaGrid, 1, cpu, options);

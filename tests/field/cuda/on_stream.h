@@ -37,7 +37,7 @@ struct Strided {
 inline std::vector<float> on_cpu(const MeshView& mesh, const Grid& grid, double thickness,
                                  Method method = Method::tiles) {
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.method = method;
   options.skip.kind = SkipRule::Kind::none;
   options.execution.backend = Backend::cpu;

@@ -13,6 +13,7 @@
 #include "standoff/error.h"
 #include "tests/field/cuda/on_stream.h"
 #include "tests/support/fields.h"
+#include "tests/support/on_stream.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -23,7 +24,7 @@ const Grid kStreamGrid{{21, 18, 13}, {-4, -4, -3}, {0.5, 0.5, 0.5}};
 // Computes on the emulated device, over memory filled with rubbish.
 std::vector<float> on_device(const MeshView& mesh, double thickness, Method method = Method::tiles) {
   std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()), -77);
-  cuda::compute_into(mesh, kStreamGrid, thickness, values.data(), method, kEmulated);
+  testing::compute_one(mesh, kStreamGrid, thickness, values.data(), method, kEmulated);
   return values;
 }
 
@@ -34,7 +35,7 @@ void expect_same(const MeshView& mesh) {
       EXPECT_TRUE(testing::bits_of(on_device(mesh, thickness, method)) ==
                   testing::bits_of(on_cpu(mesh, kStreamGrid, thickness, method)));
     }
-  const Box found = cuda::bounds(mesh, kEmulated), expected = bounds(mesh);
+  const Box found = testing::bounds_of_one(mesh, kEmulated), expected = bounds(mesh);
   EXPECT_EQ(found.min, expected.min);
   EXPECT_EQ(found.max, expected.max);
 }
@@ -54,12 +55,12 @@ TEST(CudaStreams, EveryLayoutGivesTheBitsOfTheCpu) {
 TEST(CudaStreams, ReportSaysWhatWasDone) {
   const Mesh mesh = testing::random_soup(71, 90, 4, 1.2);
   std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()));
-  const ComputeReport report = cuda::compute_into(mesh, kStreamGrid, 1, values.data(), Method::tiles, kEmulated);
+  const ComputeReport report = testing::compute_one(mesh, kStreamGrid, 1, values.data(), Method::tiles, kEmulated);
   EXPECT_EQ(report.backend, "emulated");
   EXPECT_EQ(report.provenance.method, "tiles");
   EXPECT_EQ(report.provenance.sign, "");
   EXPECT_EQ(report.triangles, 90);
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.execution.backend = testing::kEmulated;
   const ComputeReport host = compute_into(mesh, kStreamGrid, 1, values, options);
   EXPECT_EQ(report.samples_band, host.samples_band);
@@ -95,9 +96,9 @@ void expect_bad(Mesh mesh, Index index) {
   float values[1];
   for (const bool only_bounds : {true, false}) try {
       if (only_bounds)
-        cuda::bounds(bad.view(), kEmulated);
+        testing::bounds_of_one(bad.view(), kEmulated);
       else
-        cuda::compute_into(bad.view(), kStreamGrid, 1, values, Method::tiles, kEmulated);
+        testing::compute_one(bad.view(), kStreamGrid, 1, values, Method::tiles, kEmulated);
       ADD_FAILURE() << index;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
@@ -130,7 +131,7 @@ TEST(CudaStreams, CallsThatMakeNoSenseAreRefused) {
   std::vector<float> values(static_cast<std::size_t>(kStreamGrid.sample_count()), -77);
   const auto code_of = [&](MeshView view, Grid grid, double thickness, float* to, cuda::OnStream on) {
     try {
-      cuda::compute_into(view, grid, thickness, to, Method::tiles, on);
+      testing::compute_one(view, grid, thickness, to, Method::tiles, on);
       return ErrorCode::internal;
     } catch (const Error& error) {
       return error.code();

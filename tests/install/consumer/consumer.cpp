@@ -13,10 +13,11 @@
 int main() {
   const standoff::Mesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
   const standoff::Grid grid{.size = {9, 9, 9}, .origin = {0, 0, 0}, .spacing = {0.125, 0.125, 0.125}};
-  const standoff::ComputeResult computed = standoff::compute(mesh, grid, 0.5);
+  const standoff::ComputeResult computed = standoff::compute(mesh, grid, 0.5, {.sign = {standoff::SignMethod::none}});
   std::printf("distance %g of %d triangle\n", computed.field.value(2, 2, 2), int(computed.report.triangles));
   try {
-    standoff::compute(mesh, grid, 0.5, {.execution = {.backend = standoff::testing::kEmulated}});
+    standoff::compute(mesh, grid, 0.5,
+                      {.sign = {standoff::SignMethod::none}, .execution = {.backend = standoff::testing::kEmulated}});
     std::puts("emulated too");
   } catch (const standoff::Error& error) {
     std::puts(error.what());

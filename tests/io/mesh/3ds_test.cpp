@@ -26,7 +26,7 @@ class ThreeDStudio : public ::testing::Test {
     const auto path = folder.file("a.3ds", bytes);
     expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
   }
-  Mesh read(const std::string& bytes) const { return read_mesh(folder.file("a.3ds", bytes)); }
+  Mesh read(const std::string& bytes) const { return read_mesh(folder.file("a.3ds", bytes)).mesh; }
   std::size_t triangles(const std::string& bytes) const { return read(bytes).triangles.size(); }
 };
 
@@ -96,9 +96,9 @@ std::string node_with(const std::string& name, const std::string& tracks, int pa
 TEST_F(ThreeDStudio, AxesAndScale) {
   expect_vertices(read(tetrahedron(0, 1, 2)), {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}});
   const std::string file = tetrahedron(0, 1, 2), scale = chunk(0x0100, values_as_bytes({4.0f}));
-  MeshReadReport report;
   const auto path = folder.file("a.3ds", chunk(0x4d4d, chunk(0x3d3d, scale + file.substr(12))));
-  expect_vertices(read_mesh(path, {}, &report), {{0, 0, 0}, {0.25, 0, 0}, {0, 0, -0.25}});
+  const auto [mesh, report] = read_mesh(path);
+  expect_vertices(mesh, {{0, 0, 0}, {0.25, 0, 0}, {0, 0, -0.25}});
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 0.25);
 }
@@ -233,7 +233,7 @@ TEST_F(ThreeDStudio, TracksHaveTheKeysTheyClaim) {
 TEST_F(ThreeDStudio, ReadsPipes) {
   ASSERT_EQ(::mkfifo((folder / "pipe.3ds").c_str(), 0600), 0);
   std::thread writer([&] { write_bytes(folder / "pipe.3ds", tetrahedron(0, 1, 2)); });
-  EXPECT_EQ(read_mesh(folder / "pipe.3ds").triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder / "pipe.3ds").mesh.triangles.size(), 1u);
   writer.join();
 }
 
@@ -246,11 +246,11 @@ std::string packed(const std::string& bytes) {
 }
 
 TEST_F(ThreeDStudio, PackedFilesAreReadToo) {
-  EXPECT_EQ(read_mesh(folder.file("a.3ds.gz", packed(tetrahedron(0, 1, 2)))).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder.file("a.3ds.gz", packed(tetrahedron(0, 1, 2)))).mesh.triangles.size(), 1u);
 }
 
 TEST_F(ThreeDStudio, ReadsTheSeedOfTheFuzzer) {
-  const Mesh mesh = read_mesh(std::filesystem::path(kSourceFolder) / "tests/corpus/scene/tetrahedron.3ds");
+  const Mesh mesh = read_mesh(std::filesystem::path(kSourceFolder) / "tests/corpus/scene/tetrahedron.3ds").mesh;
   EXPECT_EQ(mesh.triangles.size(), 4u);
   EXPECT_EQ(mesh.vertices.size(), 4u);
 }

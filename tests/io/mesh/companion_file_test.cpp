@@ -30,7 +30,7 @@ class Companion : public ::testing::Test {
   }
   void reads(const std::string& uri) const {
     SCOPED_TRACE(uri);
-    EXPECT_EQ(read_mesh(mesh(uri)).triangles.size(), 1u);
+    EXPECT_EQ(read_mesh(mesh(uri)).mesh.triangles.size(), 1u);
   }
   void refused(const std::string& uri, const std::string& words) const {
     SCOPED_TRACE(uri);
@@ -51,7 +51,7 @@ TEST_F(Companion, InTheFolderIsRead) {
   reads("with%20space,%20100%25,%20%C3%A4%20and%20..dots.bin");
   reads("with space, 100%, \\u00e4 and ..dots.bin");  // as careless programs write it
   std::filesystem::current_path(inside);
-  EXPECT_EQ(read_mesh("a.gltf").triangles.size(), 1u);
+  EXPECT_EQ(read_mesh("a.gltf").mesh.triangles.size(), 1u);
   std::filesystem::current_path("/");
 }
 
@@ -104,7 +104,7 @@ TEST_F(Companion, LinksAreNotFollowed) {
   // The folder itself may be reached through one.
   mesh("a.bin");
   std::filesystem::create_directory_symlink(inside, folder / "link");
-  EXPECT_EQ(read_mesh(folder / "link/a.gltf").triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder / "link/a.gltf").mesh.triangles.size(), 1u);
 }
 
 TEST_F(Companion, ShortOnesAreCutOff) {
@@ -140,7 +140,7 @@ TEST_F(Companion, OneMayHoldSeveralBuffers) {
       .uri = "a.bin"};
   std::string text = document.text();
   text.insert(text.rfind("}]") + 1, R"(,{"byteLength":39,"uri":"a.bin"})");
-  EXPECT_EQ(read_mesh(folder.file("mesh/a.gltf", text)).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder.file("mesh/a.gltf", text)).mesh.triangles.size(), 1u);
 }
 
 // Images are no shape: never opened, wherever they are.
@@ -148,7 +148,7 @@ TEST_F(Companion, ImagesAreNeverOpened) {
   ASSERT_EQ(::mkfifo((inside / "pipe").c_str(), 0600), 0);
   const GltfDocument document{.root =
                                   R"(,"images":[{"uri":"pipe"},{"uri":"../../etc/passwd"}],"textures":[{"source":0}])"};
-  EXPECT_EQ(read_mesh(folder.file("mesh/a.gltf", document.text())).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder.file("mesh/a.gltf", document.text())).mesh.triangles.size(), 1u);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class Dae : public ::testing::Test {
     const auto path = folder.file("a.dae", bytes);
     expect_error([&] { read_mesh(path); }, ErrorCode::input, words);
   }
-  Mesh read(const std::string& bytes) const { return read_mesh(folder.file("a.dae", bytes)); }
+  Mesh read(const std::string& bytes) const { return read_mesh(folder.file("a.dae", bytes)).mesh; }
   std::size_t triangles(const std::string& bytes) const { return read(bytes).triangles.size(); }
 };
 
@@ -241,9 +241,7 @@ TEST_F(Dae, UnitAndAxes) {
     const std::string plain = "<up_axis>Y_UP</up_axis>";
     return text.replace(text.find(plain), plain.size(), asset);
   };
-  MeshReadReport report;
-  const Mesh mesh =
-      read_mesh(folder.file("a.dae", with("<unit meter='0.0254'/><up_axis> Z_UP </up_axis>")), {}, &report);
+  const auto [mesh, report] = read_mesh(folder.file("a.dae", with("<unit meter='0.0254'/><up_axis> Z_UP </up_axis>")));
   EXPECT_EQ(mesh.vertices[3], (Vec3{0, 0.0254, 0}));
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 0.0254);
@@ -371,7 +369,7 @@ TEST_F(Dae, MessagesAreCutToALine) {
 }
 
 TEST_F(Dae, PackedFilesAreReadToo) {
-  EXPECT_EQ(read_mesh(folder.file("a.dae.gz", packed_text(Collada().text()))).triangles.size(), 4u);
+  EXPECT_EQ(read_mesh(folder.file("a.dae.gz", packed_text(Collada().text()))).mesh.triangles.size(), 4u);
 }
 
 TEST_F(Dae, NoPlainXml) {

@@ -56,7 +56,7 @@ TEST(MeshFormats, PlyAndObjKeepEveryBit) {
     for (const char* name : {"mesh.ply", "mesh.obj", "MESH.PLY"}) {
       const Mesh mesh = blob(fine);
       write_mesh(folder / name, mesh);
-      const Mesh read = read_mesh(folder / name);
+      const Mesh read = read_mesh(folder / name).mesh;
       EXPECT_EQ(read.vertices, mesh.vertices) << name;
       EXPECT_EQ(read.triangles, mesh.triangles) << name;
     }
@@ -68,7 +68,7 @@ TEST(MeshFormats, PlyUsesFloatsWhereTheyLoseNothing) {
     const Mesh mesh{{{c, 0, 0}, {0.5, 0x1p-126, -0x1.fffffep127}, {0, 0, 1}}, {{0, 1, 2}}};
     write_mesh(folder / "one.ply", mesh);
     EXPECT_NE(read_bytes(folder / "one.ply").find("property double x"), std::string::npos) << c;
-    EXPECT_EQ(read_mesh(folder / "one.ply").vertices, mesh.vertices);
+    EXPECT_EQ(read_mesh(folder / "one.ply").mesh.vertices, mesh.vertices);
   }
   write_mesh(folder / "float.ply", blob(false));
   write_mesh(folder / "double.ply", blob(true));
@@ -80,7 +80,7 @@ TEST(MeshFormats, StlKeepsTrianglesInOrderAndFloats) {
   const TempFolder folder;
   const Mesh mesh = blob(true);
   write_mesh(folder / "mesh.stl", mesh);
-  const Mesh read = read_mesh(folder / "mesh.stl");
+  const Mesh read = read_mesh(folder / "mesh.stl").mesh;
   ASSERT_EQ(read.triangles.size(), mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -115,7 +115,7 @@ TEST(MeshFormats, ScaleMultipliesVertices) {
   const TempFolder folder;
   const Mesh mesh = blob(true);
   write_mesh(folder / "mesh.ply", mesh);
-  const Mesh read = read_mesh(folder / "mesh.ply", {.scale = 0.001});
+  const Mesh read = read_mesh(folder / "mesh.ply", {.scale = 0.001}).mesh;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) EXPECT_EQ(read.vertices[v], mesh.vertices[v] * 0.001);
   for (const double scale : {0.0, -1.0, double(INFINITY), double(NAN)})
     expect_error([&] { read_mesh(folder / "mesh.ply", {.scale = scale}); }, ErrorCode::usage, "scale must be positive");
@@ -158,7 +158,7 @@ TEST(MeshFormats, PipesAreReadToTheirEnd) {
   const auto pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::thread writer([&] { std::ofstream(pipe, std::ios::binary) << bytes; });
-  const Mesh read = read_mesh(pipe);
+  const Mesh read = read_mesh(pipe).mesh;
   writer.join();
   EXPECT_EQ(read.vertices, mesh.vertices);
   EXPECT_EQ(read.triangles, mesh.triangles);
@@ -182,7 +182,7 @@ TEST(MeshFormats, PackedMeshesOfEveryWrittenFormatAreRead) {
   for (const std::string name : {"mesh.stl", "mesh.ply", "mesh.obj"}) {
     write_mesh(folder / name, mesh);
     write_packed(folder / (name + ".gz"), read_bytes(folder / name));
-    const Mesh plain = read_mesh(folder / name), packed = read_mesh(folder / (name + ".gz"));
+    const Mesh plain = read_mesh(folder / name).mesh, packed = read_mesh(folder / (name + ".gz")).mesh;
     EXPECT_EQ(packed.vertices, plain.vertices) << name;
     EXPECT_EQ(packed.triangles, plain.triangles) << name;
     expect_error([&] { write_mesh(folder / (name + ".gz"), mesh); }, ErrorCode::usage, "use one of .stl, .ply, .obj");
@@ -199,25 +199,25 @@ TEST(MeshFormats, PackedFilesThatBecomeFarTooLargeAreRefused) {
 
 TEST(MeshFormats, ReportsWhatWasDoneToCoordinates) {
   const std::filesystem::path corpus = std::filesystem::path(kSourceFolder) / "tests/corpus";
-  MeshReadReport report;
-  read_mesh(corpus / "mesh/gz_gltf.gltf.gz", {}, &report);
+  MeshReadReport report = read_mesh(corpus / "mesh/gz_gltf.gltf.gz").report;
   EXPECT_EQ(report.format, "gltf");
   EXPECT_TRUE(report.unpacked);
   EXPECT_EQ(report.metres_per_unit, 1);
   EXPECT_FALSE(report.turned());
   EXPECT_EQ(notes(report), (std::vector<std::string>{"unpacked by gzip", "in metres, as the format says"}));
-  read_mesh(corpus / "mesh/obj_plain.obj", {.scale = 2}, &report);
+  report = read_mesh(corpus / "mesh/obj_plain.obj", {.scale = 2}).report;
   EXPECT_EQ(report.format, "obj");
   EXPECT_TRUE(notes(report).empty());
   if (!readable("dae")) return;
-  const Mesh mesh = read_mesh(corpus / "scene/tetrahedron.dae", {}, &report);
+  const MeshReadResult tetrahedron = read_mesh(corpus / "scene/tetrahedron.dae");
+  report = tetrahedron.report;
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 0.01);
   EXPECT_EQ(notes(report).at(0), "axes turned so that y is up: x, y, z are x, z, -y of the file");
   EXPECT_EQ(notes(report).at(1), "coordinates multiplied by 0.01, as the file's unit asks for");
   // As the file has it: turned by 90 degrees about z, and moved by (1, 2, 3) after.
-  EXPECT_NEAR(mesh.vertices[0].y, 0.03, 1e-8);
-  read_mesh(corpus / "scene/tetrahedron.3ds", {}, &report);
+  EXPECT_NEAR(tetrahedron.mesh.vertices[0].y, 0.03, 1e-8);
+  report = read_mesh(corpus / "scene/tetrahedron.3ds").report;
   EXPECT_EQ(report.axes, (std::array<int, 3>{1, 3, -2}));
   EXPECT_EQ(report.unit_scale, 1);
   EXPECT_EQ(report.metres_per_unit, 0);

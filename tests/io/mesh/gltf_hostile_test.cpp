@@ -44,7 +44,7 @@ TEST(GltfHostile, NodesFormTrees) {
   // A cycle that no scene reaches does no harm.
   const TempFolder folder;
   const GltfDocument apart{.nodes = R"([{"mesh":0},{"children":[2]},{"children":[1]}])"};
-  EXPECT_EQ(read_mesh(folder.file("a.gltf", apart.text())).triangles.size(), 1u);
+  EXPECT_EQ(read_mesh(folder.file("a.gltf", apart.text())).mesh.triangles.size(), 1u);
 }
 
 // Found by grammar: the elements of a number were counted past its end, for ever or until std::out_of_range.
@@ -102,7 +102,7 @@ TEST(GltfHostile, WhatUnfoldsTooFar) {
   for (int n = 0; n < 20'000; ++n) lines += R"(,{"attributes":{"POSITION":0},"mode":1})";
   const TempFolder folder;
   const GltfDocument many{.nodes = document.nodes, .scene = document.scene, .primitive = lines};
-  EXPECT_EQ(read_mesh(folder.file("a.gltf", many.text())).triangles.size(), 4000u);
+  EXPECT_EQ(read_mesh(folder.file("a.gltf", many.text())).mesh.triangles.size(), 4000u);
 }
 
 // Found by fuzzing assimp: a primitive without positions ended the program, and a strip without corners asked for 64

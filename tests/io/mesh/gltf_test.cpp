@@ -26,8 +26,8 @@ std::vector<Corners> triangles_of(const Mesh& mesh) {
 std::vector<Corners> read(const GltfDocument& document) {
   const TempFolder folder;
   SCOPED_TRACE(document.text());
-  const auto text = triangles_of(read_mesh(folder.file("a.gltf", document.text())));
-  EXPECT_EQ(triangles_of(read_mesh(folder.file("a.glb", document.binary()))), text);
+  const auto text = triangles_of(read_mesh(folder.file("a.gltf", document.text())).mesh);
+  EXPECT_EQ(triangles_of(read_mesh(folder.file("a.glb", document.binary())).mesh), text);
   return text;
 }
 
@@ -40,7 +40,7 @@ TEST(Gltf, OneTriangle) {
   EXPECT_EQ(read({.uri = "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}), kOne);
   EXPECT_EQ(read({.uri = "DATA:a\\/b;BASE64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}), kOne);
   const TempFolder folder;
-  EXPECT_EQ(triangles_of(read_mesh(folder.file("a.gltf", "\xef\xbb\xbf" + GltfDocument().text() + "\n"))), kOne);
+  EXPECT_EQ(triangles_of(read_mesh(folder.file("a.gltf", "\xef\xbb\xbf" + GltfDocument().text() + "\n")).mesh), kOne);
 }
 
 TEST(Gltf, IndicesOfEveryType) {
@@ -128,7 +128,7 @@ TEST(Gltf, PrimitivesShareTheirVertices) {
   const TempFolder folder;
   GltfDocument document;
   document.primitive += "," + document.primitive;
-  const Mesh mesh = read_mesh(folder.file("a.gltf", document.text()));
+  const Mesh mesh = read_mesh(folder.file("a.gltf", document.text())).mesh;
   EXPECT_EQ(mesh.vertices.size(), 3u);
   EXPECT_EQ(mesh.triangles.size(), 2u);
 }
@@ -176,7 +176,7 @@ TEST(Gltf, TheSceneThatIsNamed) {
   const TempFolder folder;
   std::string text = document.text();
   text.replace(text.find(R"("scene":0)"), 9, R"("scene":1)");
-  EXPECT_EQ(read_mesh(folder.file("a.gltf", text)).vertices[0], (Vec3{0, 0, 1}));
+  EXPECT_EQ(read_mesh(folder.file("a.gltf", text)).mesh.vertices[0], (Vec3{0, 0, 1}));
 }
 
 // Skins, animations and materials change nothing of what is read; what they refer to need not be there.

@@ -27,7 +27,7 @@ void expect_box(const Box& box, const Box& expected, double tolerance) {
 
 void expect_mesh(const std::filesystem::path& path, std::size_t vertices, std::size_t triangles, const Box& box) {
   SCOPED_TRACE(path);
-  const Mesh mesh = read_mesh(path);
+  const Mesh mesh = read_mesh(path).mesh;
   ASSERT_NO_THROW(validate(mesh));
   EXPECT_EQ(mesh.vertices.size(), vertices);
   EXPECT_EQ(mesh.triangles.size(), triangles);
@@ -135,7 +135,7 @@ const ReadByAssimp kReadByAssimp[] = {
 TEST(RealFiles, AgreeWithAssimp) {
   for (const auto& [path, vertices, triangles, box, area, volume] : kReadByAssimp) {
     SCOPED_TRACE(path);
-    const Mesh mesh = read_mesh(path);
+    const Mesh mesh = read_mesh(path).mesh;
     EXPECT_EQ(mesh.vertices.size(), vertices);
     ASSERT_EQ(mesh.triangles.size(), triangles);
     const double size = box.longest_side();
@@ -153,7 +153,7 @@ TEST(RealFiles, AgreeWithAssimp) {
 
 // Assimp gave up on the spaces before a number.
 TEST(RealFiles, ReadByUsAlone) {
-  EXPECT_GT(read_mesh(kAssimp / "Collada/library_animation_clips.dae").triangles.size(), 0u);
+  EXPECT_GT(read_mesh(kAssimp / "Collada/library_animation_clips.dae").mesh.triangles.size(), 0u);
 }
 
 // Every file of the collection that goes by an extension we know, broken ones included.
@@ -168,7 +168,7 @@ TEST(RealFiles, OddAndBrokenOnesGiveAMeshOrAClearError) {
     if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
     SCOPED_TRACE(entry.path());
     try {
-      const Mesh mesh = read_mesh(entry.path());
+      const Mesh mesh = read_mesh(entry.path()).mesh;
       EXPECT_NO_THROW(validate(mesh));
       ++read;
     } catch (const Error& error) {

@@ -33,7 +33,9 @@ std::string model(const std::string& objects, const std::string& build, const st
 
 Mesh read(const std::string& text, MeshReadReport* report = nullptr) {
   const TempFolder folder;
-  return read_mesh(folder.file("a.3mf", stored_zip({{"3D/3dmodel.model", text}})), {}, report);
+  MeshReadResult read = read_mesh(folder.file("a.3mf", stored_zip({{"3D/3dmodel.model", text}})));
+  if (report) *report = read.report;
+  return std::move(read.mesh);
 }
 
 void refused(const std::string& text, const std::string& words, ErrorCode code = ErrorCode::input) {
@@ -153,7 +155,7 @@ TEST(Threemf, IsWhatAnotherReaderReads) {
                                 (folder / "triangles").string() + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
     std::istringstream numbers(read_bytes(folder / "triangles"));
-    const Mesh mesh = read_mesh(kSamples / name);
+    const Mesh mesh = read_mesh(kSamples / name).mesh;
     ASSERT_GE(mesh.triangles.size(), 4u);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (std::size_t c = 0; c < 3; ++c) {

@@ -49,9 +49,9 @@ void expect_as_cpu(const Mesh& mesh, const SignOptions& sign = {}, int count = 4
   const std::vector<Vec3> points = points_for(mesh, count);
   std::vector<ClosestPoint> expected(points.size()), found(points.size());
   std::vector<double> distances(points.size());
-  query.closest(points, expected, kCpu);
-  query.closest(points, found, kEmulation);
-  query.distances(points, distances, kEmulation);
+  query.closest(points, expected, {.execution = kCpu});
+  query.closest(points, found, {.execution = kEmulation});
+  query.distances(points, distances, {.execution = kEmulation});
   int different = 0;
   for (std::size_t n = 0; n < points.size(); ++n) {
     const ClosestPoint &a = expected[n], &b = found[n];
@@ -114,22 +114,22 @@ TEST(CudaPoints, EveryOrderOfThreads) {
 }
 
 TEST(CudaPoints, TheTreeIsBuiltOnceAndCopiesShareIt) {
-  const MeshQuery query(random_soup(13, 50, 1, 0.2)), copy = query;
+  const MeshQuery query(random_soup(13, 50, 1, 0.2), {.sign = {SignMethod::none}}), copy = query;
   const std::vector<Vec3> points(3, Vec3{1, 2, 3});
   std::vector<double> first(3), second(3), none;
   const std::int64_t launches = emulation::launch_count();
-  query.distances(points, first, kEmulation);
-  copy.distances(points, second, kEmulation);
+  query.distances(points, first, {.execution = kEmulation});
+  copy.distances(points, second, {.execution = kEmulation});
   EXPECT_EQ(emulation::launch_count(), launches + 2);
   EXPECT_EQ(first, second);
-  query.distances({}, none, kEmulation);
+  query.distances({}, none, {.execution = kEmulation});
 }
 
 TEST(CudaPoints, Errors) {
-  const MeshQuery query(random_soup(14, 5, 1, 0.2));
+  const MeshQuery query(random_soup(14, 5, 1, 0.2), {.sign = {SignMethod::none}});
   std::vector<double> out(1);
   const auto ask = [&](Vec3 point, const Execution& execution) {
-    return code_of([&] { query.distances(std::vector<Vec3>{point}, out, execution); });
+    return code_of([&] { query.distances(std::vector<Vec3>{point}, out, {.execution = execution}); });
   };
   EXPECT_EQ(ask({0, NAN, 0}, kEmulation), ErrorCode::usage);
   EXPECT_EQ(ask({0, 1e151, 0}, kEmulation), ErrorCode::limit);

@@ -247,9 +247,9 @@ TEST(SignCorpus, TheOrderOfTrianglesDoesNotMatter) {
     SCOPED_TRACE(kind.name);
     const Grid grid = grid_around(kind.mesh, 14);
     const SignOptions sign{.method = SignMethod::automatic};
-    const Occupancy first = occupancy(kind.mesh, grid, sign);
+    const Occupancy first = occupancy(kind.mesh, grid, {.sign = sign});
     for (unsigned seed = 0; seed < 4; ++seed) {
-      const Occupancy other = occupancy(shuffled(kind.mesh, seed), grid, sign);
+      const Occupancy other = occupancy(shuffled(kind.mesh, seed), grid, {.sign = sign});
       EXPECT_TRUE(first.bits == other.bits) << seed;
       EXPECT_EQ(first.sign.method, other.sign.method) << seed;
       EXPECT_EQ(first.sign.sure, other.sign.sure) << seed;

@@ -45,7 +45,7 @@ inline bool has_voxels(SignMethod method) {
 template <class Known>
 Compared compare_sides(MeshView mesh, const Grid& grid, const SignOptions& sign, const Known& known,
                        double thickness = kFullField) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   const std::vector<float> plain = compute(mesh, grid, thickness, options).field.to_dense();
   options.sign = sign;
   const ComputeResult result = compute(mesh, grid, thickness, options);
@@ -59,7 +59,7 @@ Compared compare_sides(MeshView mesh, const Grid& grid, const SignOptions& sign,
   EXPECT_TRUE(result.field.provenance().sign.starts_with(name_of(found.report.method)));
   std::int64_t other_magnitudes = 0, other_voxels = 0;
   const bool voxels = has_voxels(found.report.method);
-  const Occupancy occupied = voxels ? occupancy(mesh, grid, sign) : Occupancy{};
+  const Occupancy occupied = voxels ? occupancy(mesh, grid, {.sign = sign}) : Occupancy{};
   for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
     const auto n = static_cast<std::size_t>(grid.index(i, j, k));
     const Vec3 p = grid.position(i, j, k);

@@ -80,7 +80,7 @@ TEST(GridCases, FloodThatBeginsInside) {
 
 // No tile of a thin band is stored: all that is said is each tile's side.
 TEST(GridCases, NoTileIsStored) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   for (const SignOptions& sign : kWherever)
     for (const bool inside : {true, false}) {
       options.sign = sign;
@@ -127,7 +127,7 @@ TEST(GridCases, SamplesNextToAFace) {
   for (const SignOptions& sign : {kWinding, kParity, kAutomatic})
     for (const double y : {-0.5, 0.0, 0.25, below})
       for (const double z : {-below, 0.0, 0.3}) {
-        const auto inside = [&](Vec3 p) { return occupancy(cube, {{1, 1, 1}, p}, sign).inside(0, 0, 0); };
+        const auto inside = [&](Vec3 p) { return occupancy(cube, {{1, 1, 1}, p}, {.sign = sign}).inside(0, 0, 0); };
         EXPECT_TRUE(inside({below, y, z}));
         EXPECT_FALSE(inside({above, y, z}));
         EXPECT_TRUE(inside({-below, y, z}));
@@ -143,7 +143,7 @@ TEST(GridCases, SamplesNextToASlantedFace) {
   const Mesh solid = octahedron(0x1p40);
   const Grid grid{{9, 9, 9}, {0x1p38 - 4, 0x1p38 - 4, 0x1p39 - 4}};  // about a point of x + y + z = 2^40
   for (const SignOptions& sign : {kWinding, kParity, kAutomatic}) {
-    const Occupancy voxels = occupancy(solid, grid, sign);
+    const Occupancy voxels = occupancy(solid, grid, {.sign = sign});
     std::int64_t wrong = 0;
     for_each_sample(grid, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
       const std::int64_t beyond = (i - 4) + (j - 4) + (k - 4);
@@ -157,7 +157,7 @@ TEST(GridCases, SamplesNextToASlantedFace) {
 TEST(GridCases, WhereverTheWorkRuns) {
   const Grid grid = grid_around(kBall, 27);
   const auto values = [&](const Mesh& mesh, const SignOptions& sign, const Execution& execution) {
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     options.sign = sign;
     options.execution = execution;
     return bits_of(compute(mesh, grid, 0.2, options).field.to_dense());
@@ -179,7 +179,8 @@ TEST(GridCases, VoxelsHaveTheVolumeOfTheSolid) {
                kept = std::sin(2 * kPi / 40) / (2 * kPi / 40) * std::sin(2 * kPi / 60) / (2 * kPi / 60);
   const double volume = 2 * kPi * kPi * 0.8 * 0.3 * 0.3 * kept;
   for (const SignOptions& sign : {kWinding, kParity, kFlood, kAutomatic})
-    EXPECT_NEAR(double(occupancy(ring, grid, sign).count()) * voxel, volume, 0.01 * volume) << name_of(sign.method);
+    EXPECT_NEAR(double(occupancy(ring, grid, {.sign = sign}).count()) * voxel, volume, 0.01 * volume)
+        << name_of(sign.method);
 }
 
 }  // namespace

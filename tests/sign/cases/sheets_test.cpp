@@ -25,7 +25,7 @@ Grid cube_about_origin(std::int64_t samples, double half) {
 }
 
 void expect_doubt(const Mesh& mesh, const Grid& grid, SignOptions sign) {
-  ComputeOptions options;
+  ComputeOptions options{.sign = {SignMethod::none}};
   sign.strict = true;
   options.sign = sign;
   try {
@@ -124,9 +124,9 @@ TEST(SheetCases, ShellsOfEveryMesh) {
   const double thickness = 0.22;
   for (const Mesh& mesh : {flat_square(), terrain(), moebius(), klein_bottle(), two_sided(sphere(6))}) {
     const Grid grid = grid_around(mesh, 17);
-    ComputeOptions options;
+    ComputeOptions options{.sign = {SignMethod::none}};
     for (const double band : {0.4, kFullField}) {
-      const std::vector<float> plain = compute(mesh, grid, band).field.to_dense();
+      const std::vector<float> plain = compute(mesh, grid, band, {.sign = {SignMethod::none}}).field.to_dense();
       options.sign = {.method = SignMethod::shell, .shell = thickness};
       const ComputeResult result = compute(mesh, grid, band, options);
       EXPECT_EQ(result.report.sign.method, SignMethod::shell);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/guarded.h"
+#include "core/memory.h"
 #include "core/number_text.h"
 #include "core/threads.h"
 #include "sign/diagnosis/disjoint_sets.h"
@@ -28,23 +29,21 @@ namespace standoff {
 namespace {
 
 // Throws Error{usage} for options that make no sense on this grid.
-void validate(const IsoOptions& options, const Grid& grid) {
-  if (options.memory_limit < 0)
-    throw Error(ErrorCode::usage, "isosurface: the memory limit is negative; give bytes, or zero for none");
+void validate(const SurfaceOptions& options, const Grid& grid) {
   if (!std::isfinite(options.at))
-    throw Error(ErrorCode::usage, "isosurface: the value on the surface is not finite; give a distance");
+    throw Error(ErrorCode::usage, "surface: the value on the surface is not finite; give a distance");
   if (!(options.wall >= 0) || !std::isfinite(options.wall))
-    throw Error(ErrorCode::usage, "isosurface: a wall of " + number_text(options.wall) +
+    throw Error(ErrorCode::usage, "surface: a wall of " + number_text(options.wall) +
                                       " makes no sense; give a positive thickness, or 0 for none");
   if (options.wall > 0 && options.wall < grid.max_spacing())
-    throw Error(ErrorCode::usage, "isosurface: a wall of " + number_text(options.wall) +
+    throw Error(ErrorCode::usage, "surface: a wall of " + number_text(options.wall) +
                                       " is thinner than the spacing of " + number_text(grid.max_spacing()) +
                                       ", so that its surfaces could intersect; take a smaller spacing");
-  if (options.method != IsoMethod::marching_cubes && options.method != IsoMethod::dual)
-    throw Error(ErrorCode::usage, "isosurface: there is no such method; take marching_cubes or dual");
+  if (options.method != SurfaceMethod::marching_cubes && options.method != SurfaceMethod::dual)
+    throw Error(ErrorCode::usage, "surface: there is no such method; take marching_cubes or dual");
   if (options.coordinates != Coordinates::automatic && options.coordinates != Coordinates::single &&
       options.coordinates != Coordinates::full)
-    throw Error(ErrorCode::usage, "isosurface: there are no such coordinates; take automatic, single or full");
+    throw Error(ErrorCode::usage, "surface: there are no such coordinates; take automatic, single or full");
 }
 
 // The error of normals by differences is some hundredths: planes at angles below 25 degrees count as one.
@@ -53,13 +52,13 @@ constexpr double kLevelTolerance = 0.05;
 // Throws Error{usage} unless the level is below the thickness: the field has no surface at clamped values.
 void expect_within(const DistanceField& field, double level) {
   if (std::abs(level) < static_cast<double>(static_cast<float>(field.thickness()))) return;
-  throw Error(ErrorCode::usage, "isosurface: a surface at " + number_text(level) +
+  throw Error(ErrorCode::usage, "surface: a surface at " + number_text(level) +
                                     " is not within the field's thickness of " + number_text(field.thickness()) +
                                     "; compute the field with a larger thickness");
 }
 
-void add_surface(const DistanceField& field, double level, const IsoOptions& options, const HermiteSource& source,
-                 double from, double to, MemoryBudget& budget, IsoResult& result, ProgressMeter& progress) {
+void add_surface(const DistanceField& field, double level, const SurfaceOptions& options, const HermiteSource& source,
+                 double from, double to, MemoryBudget& budget, SurfaceResult& result, ProgressMeter& progress) {
   MemoryShare memory(budget);
   const EdgePoints points(field.grid(), level, options.coordinates);
   const Size3 tiles = field.tile_count();
@@ -68,7 +67,7 @@ void add_surface(const DistanceField& field, double level, const IsoOptions& opt
   memory.take(InsideBits::bytes_for(field));
   const InsideBits inside(field, level, progress);
   Blocks blocks(inside, memory, progress);
-  const bool dual = options.method == IsoMethod::dual;
+  const bool dual = options.method == SurfaceMethod::dual;
   progress.stage("surface", (dual ? 5 : 2) * std::ssize(blocks.all()), middle, to);
   if (dual)
     contour_dually(blocks, points, source, memory, result.mesh, result.report, progress);
@@ -87,9 +86,9 @@ HermiteSource field_source() {
 
 // Adds the surface at options.at, and the surface at options.at - options.wall if there is a wall. `source_of` returns
 // the source of normals for a level. Reports progress from `from` to 1. Runs on the threads of the calling TBB arena.
-void extract(const DistanceField& field, const IsoOptions& options,
+void extract(const DistanceField& field, const SurfaceOptions& options,
              const std::function<HermiteSource(double level)>& source_of, double from, MemoryBudget& budget,
-             IsoResult& result, ProgressMeter& progress) {
+             SurfaceResult& result, ProgressMeter& progress) {
   const double inner = options.at - options.wall;
   expect_within(field, options.at);
   if (options.wall > 0) expect_within(field, inner);
@@ -100,10 +99,9 @@ void extract(const DistanceField& field, const IsoOptions& options,
     const std::int64_t capped = result.report.capped;
     add_surface(field, inner, options, source_of(inner), middle, 1, budget, result, progress);
     if (result.report.capped > capped)
-      throw Error(
-          ErrorCode::usage,
-          "isosurface: the hollow reaches the border of the grid, where it would have no wall; take a grid that "
-          "holds the whole solid");
+      throw Error(ErrorCode::usage,
+                  "surface: the hollow reaches the border of the grid, where it would have no wall; take a grid that "
+                  "holds the whole solid");
     for (Triangle& triangle : std::span(result.mesh.triangles).subspan(outer)) std::swap(triangle[1], triangle[2]);
   }
   progress.stage("done", 1, 1, 1);
@@ -121,8 +119,8 @@ std::int64_t count_components(const Mesh& mesh) {
 }
 
 // Fills the counts of the report.
-void finish(const IsoOptions& options, IsoResult& result) {
-  IsoReport& report = result.report;
+void finish(const SurfaceOptions& options, SurfaceResult& result) {
+  SurfaceReport& report = result.report;
   report.triangles = std::ssize(result.mesh.triangles);
   report.vertices = std::ssize(result.mesh.vertices);
   report.examined = options.examine;
@@ -145,10 +143,10 @@ constexpr double kMeshTolerance = 1e-4;
 // The field's share of the progress.
 constexpr double kFieldShare = 0.6;
 
-// Computes the field with a thickness that covers the surface, its cells, and the samples around them.
-ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) {
+// Computes the field that reaches as far as the surface, its cells, and the samples around them.
+ComputeResult field_of(MeshView mesh, const Grid& grid, const SurfaceOptions& options) {
   ComputeOptions wanted;
-  wanted.sign = sign;
+  wanted.sign = options.sign;
   wanted.execution = options.execution;
   wanted.hash_mesh = false;
   wanted.memory_limit = options.memory_limit;
@@ -172,16 +170,16 @@ ComputeResult field_of(MeshView mesh, const Grid& grid, const SignOptions& sign,
 }
 
 // A function for closest points of the mesh. Its query is made on first use: only dual contouring uses it.
-ClosestFunction closest_in(MeshView mesh, const IsoOptions& options, MemoryBudget& budget) {
+ClosestFunction closest_in(MeshView mesh, const SurfaceOptions& options, MemoryBudget& budget) {
   const auto query = std::make_shared<std::optional<MeshQuery>>();
   return [mesh, query, &budget,
           execution = Execution{.threads = options.execution.threads}](std::span<const Vec3> points) {
     if (!*query) {
-      query->emplace(mesh, MeshQueryOptions{.execution = execution});
+      query->emplace(mesh, MeshQueryOptions{.sign = {SignMethod::none}, .execution = execution});
       budget.take(static_cast<std::size_t>((*query)->memory_bytes()));
     }
     std::vector<ClosestPoint> found(points.size());
-    (*query)->closest(points, found, execution);
+    (*query)->closest(points, found, {.execution = execution});
     return found;
   };
 }
@@ -206,49 +204,49 @@ HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const ClosestF
 
 }  // namespace
 
-IsoResult isosurface(const DistanceField& field, const IsoOptions& options) try {
-  validate("isosurface", options.execution, Runs::on_the_cpu);
+SurfaceResult surface(const DistanceField& field, const SurfaceOptions& options) try {
+  validate("surface", options.execution, Runs::on_the_cpu);
   validate(options, field.grid());
-  IsoResult result;
+  SurfaceResult result;
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    MemoryBudget budget("isosurface", options.memory_limit, kCoarserGrid);
+    MemoryBudget budget("surface", memory_limit_of(options.memory_limit), kCoarserGrid);
     extract(
         field, options, [](double) { return field_source(); }, 0, budget, result, progress);
     finish(options, result);
   });
   return result;
 } catch (...) {
-  throw_as_error("isosurface", kCoarserGrid);
+  throw_as_error("surface", kCoarserGrid);
 }
 
-IsoResult isosurface(MeshView mesh, const Grid& grid, const SignOptions& sign, const IsoOptions& options) try {
+SurfaceResult surface(MeshView mesh, const Grid& grid, const SurfaceOptions& options) try {
   validate(grid);
   validate(options, grid);
-  const ComputeResult computed = field_of(mesh, grid, sign, options);
-  IsoResult result;
+  const ComputeResult computed = field_of(mesh, grid, options);
+  SurfaceResult result;
   result.report.sign = computed.report.sign;
   if (computed.report.sign.method == SignMethod::none && !(options.at - options.wall > 0)) {
     const std::string why = computed.report.sign.why;
-    throw Error(ErrorCode::input, "isosurface: there is no inside to make a surface of at " +
+    throw Error(ErrorCode::input, "surface: there is no inside to make a surface of at " +
                                       number_text(options.at - options.wall) + (why.empty() ? "" : ": " + why) +
                                       "; choose a sign method, or a positive distance from the mesh");
   }
   Threads(options.execution.threads).run([&] {
     ProgressMeter progress(options.progress);
-    MemoryBudget budget("isosurface", options.memory_limit, kCoarserGrid);
+    MemoryBudget budget("surface", memory_limit_of(options.memory_limit), kCoarserGrid);
     budget.take(static_cast<std::size_t>(computed.field.memory_bytes()));
     const ClosestFunction closest = closest_in(mesh, options, budget);
     extract(
-        computed.field, options, [&](double level) { return mesh_source(mesh, sign, closest, level); }, kFieldShare,
-        budget, result, progress);
-    // A surface inside of the mesh shows no part of it.
+        computed.field, options, [&](double level) { return mesh_source(mesh, options.sign, closest, level); },
+        kFieldShare, budget, result, progress);
+    // Inside of a mesh no part of it is near the surface.
     if (options.at >= 0) find_lost_parts(mesh, computed.field, options.at, budget, result.report, progress);
     finish(options, result);
   });
   return result;
 } catch (...) {
-  throw_as_error("isosurface", kCoarserGrid);
+  throw_as_error("surface", kCoarserGrid);
 }
 
 }  // namespace standoff

@@ -5,7 +5,7 @@
 // The reader trusts nothing: it checks sizes against the file and against the mesh and its spacing, the BVH's order for
 // being a permutation, and tile numbers against the number of tiles. A damaged or hostile file gives an error or a body
 // with wrong bounds, but never an access out of range. The checksum finds damage, not malice.
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,25 +70,25 @@ std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& pro
     seen[component] = true;
     firsts.push_back(static_cast<std::uint32_t>(t));
   }
-  firsts.shrink_to_fit();  // the model keeps it
+  firsts.shrink_to_fit();  // the body keeps it
   return firsts;
 }
 
-void ModelData::prepare(double spacing) {
+void BodyData::prepare(double spacing) {
   validate(mesh);
   if (!(spacing >= 0) || !std::isfinite(spacing))
-    throw Error(ErrorCode::usage, "model: the spacing must be positive and finite; give zero to have it chosen");
+    throw Error(ErrorCode::usage, "body: the spacing must be positive and finite; give zero to have it chosen");
   box = bounds(mesh);
   middle = box.center();
   const double size = box.longest_side();
-  if (!(size <= kMaxModelSize) || (size > 0 && size < kMinModelSize) || !(length(middle) < kMaxPosition))
-    throw Error(ErrorCode::input, "model: the mesh is " + number_text(size) + " across; scale it to between " +
-                                      number_text(kMinModelSize) + " and " + number_text(kMaxModelSize) +
+  if (!(size <= kMaxBodySize) || (size > 0 && size < kMinBodySize) || !(length(middle) < kMaxPosition))
+    throw Error(ErrorCode::input, "body: the mesh is " + number_text(size) + " across; scale it to between " +
+                                      number_text(kMinBodySize) + " and " + number_text(kMaxBodySize) +
                                       ", and nearer than " + number_text(kMaxPosition) + " to the origin");
   field.box = {box.min - middle, box.max - middle};
 }
 
-void ModelData::finish(ProgressMeter& progress) {
+void BodyData::finish(ProgressMeter& progress) {
   view = field.view();
   corners.reserve(bvh.order().size());
   for (const std::uint32_t t : bvh.order()) {
@@ -99,7 +99,7 @@ void ModelData::finish(ProgressMeter& progress) {
   }
 }
 
-std::int64_t ModelData::memory_bytes() const {
+std::int64_t BodyData::memory_bytes() const {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   std::size_t sum = bytes(mesh.vertices) + bytes(mesh.triangles) + bytes(field.slots) + bytes(field.samples) +
                     bytes(field.coarse) + bytes(field.inside) + bytes(field.coarse_inside) + bytes(corners) +
@@ -111,9 +111,9 @@ std::int64_t ModelData::memory_bytes() const {
 
 }  // namespace collision
 
-CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
-  validate("model", options.execution, Runs::everywhere);
-  const auto data = std::make_shared<collision::ModelData>();
+Body::Body(MeshView mesh, const BodyOptions& options) try {
+  validate("body", options.execution, Runs::everywhere);
+  const auto data = std::make_shared<collision::BodyData>();
   validate(mesh);
   data->mesh = copy_of(mesh);
   data->prepare(options.spacing);
@@ -131,26 +131,26 @@ CollisionModel::CollisionModel(MeshView mesh, const ModelOptions& options) try {
   progress.stage("done", 1, 1, 1);
   data_ = data;
 } catch (...) {
-  throw_as_error("model", "take a larger spacing, or provide more memory");
+  throw_as_error("body", "take a larger spacing, or provide more memory");
 }
 
-MeshView CollisionModel::mesh() const { return data_->mesh; }
-Box CollisionModel::bounds() const { return data_->box; }
-Grid CollisionModel::grid() const {
+MeshView Body::mesh() const { return data_->mesh; }
+Box Body::bounds() const { return data_->box; }
+Grid Body::grid() const {
   const double h = data_->field.spacing;
   return {data_->field.size, data_->field.origin + data_->middle, {h, h, h}};
 }
-double CollisionModel::thickness() const { return data_->field.thickness(); }
-bool CollisionModel::closed() const { return data_->field.has_sign(); }
+double Body::thickness() const { return data_->field.thickness(); }
+bool Body::has_inside() const { return data_->field.has_sign(); }
 
-std::int64_t CollisionModel::memory_bytes() const { return data_->memory_bytes(); }
+std::int64_t Body::memory_bytes() const { return data_->memory_bytes(); }
 
 namespace collision {
 namespace {
 
-constexpr std::uint32_t kModelVersion = 2;
+constexpr std::uint32_t kBodyVersion = 2;
 
-struct ModelHeader {
+struct BodyHeader {
   char magic[8];
   std::uint32_t version;
   std::uint32_t closed;  // 1 if the fields have a sign, else 0
@@ -158,12 +158,12 @@ struct ModelHeader {
   double spacing;
   std::uint64_t components;
 };
-static_assert(sizeof(ModelHeader::magic) == kBodyMagic.size());
-static_assert(sizeof(ModelHeader) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
+static_assert(sizeof(BodyHeader::magic) == kBodyMagic.size());
+static_assert(sizeof(BodyHeader) == 72 && sizeof(Vec3) == 24 && sizeof(Triangle) == 12);
 
 constexpr std::uint64_t bytes_of_bits(std::uint64_t bits) { return bits / 8 + (bits % 8 != 0); }
 
-void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const ModelHeader& header) {
+void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const BodyHeader& header) {
   const auto fail = [&](const char* what) { arrays.fail("field", what); };
   if (header.slots != static_cast<std::uint64_t>(tile_count(field.size)) ||
       header.coarse != static_cast<std::uint64_t>(field.coarse_size.count()))
@@ -178,12 +178,12 @@ void check_field(const ArrayFileReader& arrays, const FieldBounds& field, const 
 
 }  // namespace
 
-CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
-  ModelHeader header{};
+Body read_body(const FileView& file, ArrayChecksum checksum) {
+  BodyHeader header{};
   ArrayFileReader arrays(file, "body");
-  arrays.take_header(header, kBodyMagic, kModelVersion);
+  arrays.take_header(header, kBodyMagic, kBodyVersion);
   if (header.closed > 1) arrays.fail("header", "it is neither closed nor open");
-  const auto data = std::make_shared<ModelData>();
+  const auto data = std::make_shared<BodyData>();
   FieldBounds field;
   arrays.take(data->mesh.vertices, header.vertices);
   arrays.take(data->mesh.triangles, header.triangles);
@@ -224,25 +224,25 @@ CollisionModel read_model(const FileView& file, ArrayChecksum checksum) {
   ProgressMeter nobody;
   data->bvh = bvh_in_order(std::move(order), data->mesh, data->middle, nobody);
   data->finish(nobody);
-  return ModelAccess::model(data);
+  return BodyAccess::body(data);
 }
 
 }  // namespace collision
 
-void CollisionModel::save(const std::filesystem::path& path, Existing existing) const try {
+void Body::save(const std::filesystem::path& path, Existing existing) const try {
   using namespace collision;
-  const ModelData& d = *data_;
+  const BodyData& d = *data_;
   ArrayFileWriter file(path, existing);
-  ModelHeader header{{},
-                     kModelVersion,
-                     d.field.has_sign(),
-                     d.mesh.vertices.size(),
-                     d.mesh.triangles.size(),
-                     d.field.slots.size(),
-                     d.field.samples.size(),
-                     d.field.coarse.size(),
-                     d.field.spacing,
-                     d.components.size()};
+  BodyHeader header{{},
+                    kBodyVersion,
+                    d.field.has_sign(),
+                    d.mesh.vertices.size(),
+                    d.mesh.triangles.size(),
+                    d.field.slots.size(),
+                    d.field.samples.size(),
+                    d.field.coarse.size(),
+                    d.field.spacing,
+                    d.components.size()};
   kBodyMagic.copy(header.magic, sizeof header.magic);
   file.put(&header, sizeof header);
   file.put_all(d.mesh.vertices);
@@ -258,13 +258,13 @@ void CollisionModel::save(const std::filesystem::path& path, Existing existing) 
   }
   file.commit();
 } catch (...) {
-  throw_as_error("model");
+  throw_as_error("body");
 }
 
-CollisionModel CollisionModel::load(const std::filesystem::path& path) try {
-  return collision::read_model(FileView(path), ArrayChecksum::checked);
+Body Body::load(const std::filesystem::path& path) try {
+  return collision::read_body(FileView(path), ArrayChecksum::checked);
 } catch (...) {
-  throw_as_error("model");
+  throw_as_error("body");
 }
 
 }  // namespace standoff

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// standoff iso: a field or mesh into a watertight surface.
+// standoff surface: a field or mesh into a watertight surface.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -21,13 +21,13 @@ namespace standoff::cli {
 namespace {
 
 /// What the surface was made of.
-struct IsoSubject {
+struct SurfaceSubject {
   const char* kind = "mesh";  ///< or "field"
   Grid grid;
 };
 
-void say(const IsoResult& found, const std::string& output, const Console& console) {
-  const IsoReport& report = found.report;
+void say(const SurfaceResult& found, const std::string& output, const Console& console) {
+  const SurfaceReport& report = found.report;
   if (!report.sign.why.empty()) console.say("sign: " + report.sign.why + (report.sign.sure ? "" : " (not certain)"));
   console.say(mesh_line(output, found.mesh) + (report.floats ? "" : ", 64-bit coordinates"));
   if (report.examined) {
@@ -45,16 +45,16 @@ void say(const IsoResult& found, const std::string& output, const Console& conso
                  " spacings from samples");
 }
 
-Json iso_json(const std::string& input, const IsoSubject& subject, const IsoOptions& options, const IsoResult& found,
-              const std::filesystem::path& output) {
-  const IsoReport& report = found.report;
-  Json json = json_answer("iso");
+Json surface_json(const std::string& input, const SurfaceSubject& subject, const SurfaceOptions& options,
+                  const SurfaceResult& found, const std::filesystem::path& output) {
+  const SurfaceReport& report = found.report;
+  Json json = json_answer("surface");
   json["kind"] = subject.kind;
   json["input"] = {{"file", input}};
   json["grid"] = json_grid(subject.grid);
   json["at"] = options.at;
   json["wall"] = options.wall;
-  json["method"] = options.method == IsoMethod::dual ? "dual" : "marching-cubes";
+  json["method"] = options.method == SurfaceMethod::dual ? "dual" : "marching-cubes";
   json["surface"] = {
       {"triangles", report.triangles}, {"vertices", report.vertices}, {"ambiguous_faces", report.ambiguous_faces},
       {"clamped", report.clamped},     {"capped", report.capped},     {"floats", report.floats},
@@ -76,22 +76,21 @@ Json iso_json(const std::string& input, const IsoSubject& subject, const IsoOpti
   return json;
 }
 
-constexpr const char* kIsoExamples =
-    R"(  standoff iso damaged.obj -o solid.ply                   a watertight solid out of any mesh
-  standoff iso part.stl --method dual -r 400 -o part.ply  keeps sharp edges
-  standoff iso part.stl --at 0.5 -o larger.stl            everything within 0.5 of the part; -0.5: smaller
-  standoff iso part.stl --hollow 2 -o hollow.stl          a hollow part with walls of 2
-  standoff iso field.vti --at 3s -o offset.ply            of a field: where its value is 3 samples
+constexpr const char* kSurfaceExamples =
+    R"(  standoff surface damaged.obj -o solid.ply                   a watertight solid out of any mesh
+  standoff surface part.stl --method dual -r 400 -o part.ply  keeps sharp edges
+  standoff surface part.stl --at 0.5 -o larger.stl            everything within 0.5 of the part; -0.5: smaller
+  standoff surface part.stl --wall 2 -o hollow.stl            a hollow part with walls of 2
+  standoff surface field.vti --at 3s -o offset.ply            of a field: where its value is 3 samples
 )";
 
-struct IsoCommand {
+struct SurfaceCommand {
   MeshInput input;
   FieldArgument field_argument;
   FileOutput output;
   GridOptions grid;
-  SignOptions sign{SignMethod::automatic};
   Thickness shell{0};
-  IsoOptions options;
+  SurfaceOptions options;
   Thickness at{0}, wall{0};
   bool coordinates_given = false, sign_given = false;
   Console console;
@@ -100,11 +99,11 @@ struct IsoCommand {
   void run();
 
  private:
-  IsoResult of_field();
-  IsoResult of_mesh();
-  void expect_surface(const IsoResult& found, const std::string& what_to_do) const;
+  SurfaceResult of_field();
+  SurfaceResult of_mesh();
+  void expect_surface(const SurfaceResult& found, const std::string& what_to_do) const;
   void set_levels(double spacing);
-  IsoSubject subject;
+  SurfaceSubject subject;
 };
 
 // "0.5", "-0.5" or "-2s".
@@ -113,7 +112,7 @@ Thickness parse_level(const std::string& option, const std::string& text) {
   return {parse_number(option, in_samples ? text.substr(0, text.size() - 1) : text), in_samples};
 }
 
-void IsoCommand::add_to(CLI::App& verb) {
+void SurfaceCommand::add_to(CLI::App& verb) {
   input.add_any_to(verb, false);
   output.add_to(verb, "MESH", "the surface: " + extensions(mesh_formats(), true));
   verb.get_option("--output")->required();
@@ -124,7 +123,7 @@ void IsoCommand::add_to(CLI::App& verb) {
   add("--at", "D",
       "the value on the surface (default 0): world units (0.5) or\nsamples (2s); negative: inside the solid",
       [this](S o, S t) { at = parse_level(o, t); });
-  add("--hollow", "T", "make the solid hollow, with walls of this thickness:\nworld units (2) or samples (3s)",
+  add("--wall", "T", "make the solid hollow, with walls of this thickness:\nworld units (2) or samples (3s)",
       [this](S o, S t) {
         wall = parse_thickness(o, t);
         if (wall.infinite()) throw Error(ErrorCode::usage, o + " '" + t + "': give a finite thickness");
@@ -133,7 +132,7 @@ void IsoCommand::add_to(CLI::App& verb) {
       "marching-cubes (default); dual: dual contouring, which\nkeeps the sharp edges and corners of meshes",
       [this](S o, S t) {
         options.method =
-            parse_choice(o, t, {"marching-cubes", "dual"}) == 0 ? IsoMethod::marching_cubes : IsoMethod::dual;
+            parse_choice(o, t, {"marching-cubes", "dual"}) == 0 ? SurfaceMethod::marching_cubes : SurfaceMethod::dual;
       });
   add("--coordinates", "NAME",
       "auto: 32-bit floats where they move no vertex noticeably\n(default); single: always; full: never",
@@ -145,20 +144,20 @@ void IsoCommand::add_to(CLI::App& verb) {
       ->group("Surface");
   grid.add_without_thickness_to(verb);
   input.add_scale_to(verb);
-  add_sign(verb, sign, shell,
-           {"how inside is decided, as in standoff compute: " + sign_names(takes_all, sign.method),
+  add_sign(verb, options.sign, shell,
+           {"how inside is decided, as in standoff compute: " + sign_names(takes_all, options.sign.method),
             "take the surface of the union of all parts (docs/outer.md)"});
   add_threads(verb, "Work", options.execution.threads);
   field_argument.add_to(verb, "field, surface and their making");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-void IsoCommand::set_levels(double spacing) {
+void SurfaceCommand::set_levels(double spacing) {
   options.at = at.world(spacing);
   options.wall = wall.world(spacing);
 }
 
-IsoResult IsoCommand::of_field() {
+SurfaceResult SurfaceCommand::of_field() {
   if (input.scaled() || sign_given || grid.given())
     throw Error(ErrorCode::usage, input.name() + " is a field: options of the mesh, its grid and its sign belong to " +
                                       "standoff compute; leave them out");
@@ -167,10 +166,10 @@ IsoResult IsoCommand::of_field() {
   set_levels(field.grid().max_spacing());
   const Cancellable cancellable;
   options.progress = console.progress();
-  return isosurface(field, options);
+  return surface(field, options);
 }
 
-IsoResult IsoCommand::of_mesh() {
+SurfaceResult SurfaceCommand::of_mesh() {
   const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
   validate(mesh);
   Box box = bounds(mesh);
@@ -185,14 +184,14 @@ IsoResult IsoCommand::of_mesh() {
   subject = {"mesh", grid.choose(box).grid};
   spacing = subject.grid.max_spacing();
   set_levels(spacing);
-  sign.shell = shell.world(spacing);
+  options.sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
   const Cancellable cancellable;
   options.progress = console.progress();
-  return isosurface(mesh, subject.grid, sign, options);
+  return surface(mesh, subject.grid, options);
 }
 
-void IsoCommand::run() {
+void SurfaceCommand::run() {
   const bool is_field = kind_of(input.name()) == FileKind::field;
   if (kind_of(input.name()) == FileKind::body)
     throw Error(ErrorCode::input, input.name() + ": this is a body; give the mesh it was built from");
@@ -202,7 +201,7 @@ void IsoCommand::run() {
   options.memory_limit = field_argument.memory_limit();
   // .stl has no other numbers; where they do not suffice, the error comes before the file.
   if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
-  const IsoResult found = is_field ? of_field() : of_mesh();
+  const SurfaceResult found = is_field ? of_field() : of_mesh();
   options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (found.mesh.triangles.empty())
@@ -215,14 +214,15 @@ void IsoCommand::run() {
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_mesh(output.path(), found.mesh, output.existing()); });
   say(found, output.path().string(), console);
-  if (console.json()) print(iso_json(input.name(), subject, options, found, output.path()), output.path());
+  if (console.json()) print(surface_json(input.name(), subject, options, found, output.path()), output.path());
 }
 
 }  // namespace
 
-void add_iso(CLI::App& program) {
-  auto* verb = add_verb(program, "iso", "turn a field or mesh into a watertight surface, at any offset", kIsoExamples);
-  const auto command = std::make_shared<IsoCommand>();
+void add_surface(CLI::App& program) {
+  auto* verb =
+      add_verb(program, "surface", "turn a field or mesh into a watertight surface, at any offset", kSurfaceExamples);
+  const auto command = std::make_shared<SurfaceCommand>();
   command->add_to(*verb);
   verb->callback([command, verb] {
     command->sign_given = is_sign_given(*verb);

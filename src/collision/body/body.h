@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data of a CollisionModel: a mesh, bounds of the distance to it, a BVH over its triangles and its connected
+// The data of a Body: a mesh, bounds of the distance to it, a BVH over its triangles and its connected
 // components; and the functions that make them.
 #pragma once
 
@@ -69,7 +69,7 @@ struct BodyBvh {
   }
 };
 
-struct ModelData {
+struct BodyData {
   Mesh mesh;
   Box box;            ///< around the corners
   Vec3 middle;        ///< the origin of BVH and fields
@@ -79,7 +79,7 @@ struct ModelData {
   BodyBvh bvh;
   HugePageVector<Corners> corners;        ///< the triangles in the order of the BVH
   std::vector<std::uint32_t> components;  ///< the first triangle of each connected component
-  gpu::DeviceCopies device_models;        ///< copies in the memory of GPUs
+  gpu::DeviceCopies device_bodies;        ///< copies in the memory of GPUs
 
   /// The first step of building and of loading: checks the mesh, and sets box and middle. A spacing of 0 means that it
   /// is chosen later. Throws Error{input} or Error{usage}.
@@ -89,12 +89,12 @@ struct ModelData {
   std::int64_t memory_bytes() const;
 };
 
-/// Gives this library access to a model's data.
-struct ModelAccess {
-  static const ModelData& data(const CollisionModel& model) { return *model.data_; }
-  static CollisionModel model(std::shared_ptr<const ModelData> data) { return CollisionModel(std::move(data)); }
+/// Gives this library access to a body's data.
+struct BodyAccess {
+  static const BodyData& data(const Body& body) { return *body.data_; }
+  static Body body(std::shared_ptr<const BodyData> data) { return Body(std::move(data)); }
 };
-inline const ModelData& data_of(const CollisionModel& model) { return ModelAccess::data(model); }
+inline const BodyData& data_of(const Body& body) { return BodyAccess::data(body); }
 
 /// The default spacing for a mesh: it gives about 12 million samples in the box, but is at least a quarter of the mean
 /// edge, below which a finer field gives no better bound.
@@ -119,8 +119,8 @@ BodyBvh bvh_in_order(std::vector<std::uint32_t> order, MeshView mesh, Vec3 middl
 /// a corner at the same position, so a mesh need not be welded. Requires a valid mesh. The progress may interrupt it.
 std::vector<std::uint32_t> first_of_components(MeshView mesh, ProgressMeter& progress);
 
-/// Reads a model; for load(), and for the fuzzer, whose bytes never match the checksum. Throws Error{input}.
-CollisionModel read_model(const FileView& file, ArrayChecksum checksum);
+/// Reads a body; for load(), and for the fuzzer, whose bytes never match the checksum. Throws Error{input}.
+Body read_body(const FileView& file, ArrayChecksum checksum);
 
 }  // namespace collision
 }  // namespace standoff

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "collision/body/model.h"
+#include "collision/body/body.h"
 #include "files/array_file.h"
 #include "standoff/collision.h"
 #include "tests/collision/solids.h"
@@ -18,7 +18,7 @@ namespace {
 
 using namespace standoff::testing;
 
-class ModelFile : public ::testing::Test {
+class BodyFile : public ::testing::Test {
  protected:
   TempFolder folder_;
   std::filesystem::path file_ = folder_.path() / "ball.body";
@@ -31,10 +31,10 @@ class ModelFile : public ::testing::Test {
   }
 };
 
-TEST_F(ModelFile, GivesTheSameAnswers) {
-  const CollisionModel a(ball_mesh(1, 5)), b(random_soup(2, 50, 0.5, 0.3));
+TEST_F(BodyFile, GivesTheSameAnswers) {
+  const Body a(ball_mesh(1, 5)), b(random_soup(2, 50, 0.5, 0.3));
   a.save(file_);
-  const CollisionModel loaded = CollisionModel::load(file_);
+  const Body loaded = Body::load(file_);
   EXPECT_EQ(loaded.memory_bytes(), a.memory_bytes());
   Random random(7);
   for (int n = 0; n < 100; ++n) {
@@ -45,10 +45,10 @@ TEST_F(ModelFile, GivesTheSameAnswers) {
   }
 }
 
-TEST_F(ModelFile, DamageIsAnError) {
-  CollisionModel(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
+TEST_F(BodyFile, DamageIsAnError) {
+  Body(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
   const std::string good = bytes(file_);
-  const auto code = [&] { return code_of([&] { CollisionModel::load(file_); }); };
+  const auto code = [&] { return code_of([&] { Body::load(file_); }); };
   Random random(8);
   for (int n = 0; n < 300; ++n) {
     std::string bad = good;
@@ -63,23 +63,23 @@ TEST_F(ModelFile, DamageIsAnError) {
   }
   write(file_, good + "x");
   EXPECT_EQ(code(), ErrorCode::input);
-  EXPECT_EQ(code_of([&] { CollisionModel::load(folder_.path() / "none.body"); }), ErrorCode::input);
+  EXPECT_EQ(code_of([&] { Body::load(folder_.path() / "none.body"); }), ErrorCode::input);
 }
 
 // Files of this version must stay readable.
-TEST_F(ModelFile, FilesOfTheCorpusAreRead) {
+TEST_F(BodyFile, FilesOfTheCorpusAreRead) {
   const std::filesystem::path folder = std::filesystem::path(kSourceFolder) / "tests/corpus/body";
-  const CollisionModel box = CollisionModel::load(folder / "box.body");
+  const Body box = Body::load(folder / "box.body");
   EXPECT_EQ(box.mesh().triangles.size(), 12u);
-  EXPECT_TRUE(box.closed());
+  EXPECT_TRUE(box.has_inside());
   EXPECT_NEAR(distance(box, {}, box, moved({3, 0, 0})).upper, 2, 1e-12);
-  EXPECT_EQ(CollisionModel::load(folder / "triangle.body").mesh().triangles.size(), 1u);
-  EXPECT_EQ(CollisionModel::load(folder / "strip.body").mesh().triangles.size(), 20u);
+  EXPECT_EQ(Body::load(folder / "triangle.body").mesh().triangles.size(), 1u);
+  EXPECT_EQ(Body::load(folder / "strip.body").mesh().triangles.size(), 20u);
 }
 
 // Files with a new, matching checksum are checked all the same.
-TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
-  CollisionModel(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
+TEST_F(BodyFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
+  Body(solid_ball(1, 2), {.spacing = 0.3}).save(file_);
   const std::string good = bytes(file_);
   std::uint64_t counts[5];
   std::memcpy(counts, good.data() + 16, sizeof counts);
@@ -90,7 +90,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
     std::string bad = good;
     std::memcpy(bad.data() + at, &value, sizeof value);
     try {
-      collision::read_model(FileView("x.body", bad), ArrayChecksum::ignored);
+      collision::read_body(FileView("x.body", bad), ArrayChecksum::ignored);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       return std::string(error.what());
@@ -132,7 +132,7 @@ TEST_F(ModelFile, WhatCannotBeIsAnErrorWithoutTheChecksumToo) {
 }
 
 // Kernels compute sample indices in single precision, which has no halves past 2^23.
-TEST_F(ModelFile, FieldsTooLongForSinglePrecisionAreAnError) {
+TEST_F(BodyFile, FieldsTooLongForSinglePrecisionAreAnError) {
   const auto plan = [](double length) { return collision::plan_field_bounds({{0, 0, 0}, {length, 1, 1}}, 1); };
   EXPECT_EQ(code_of([&] { plan(0x1p23); }), ErrorCode::limit);
   EXPECT_LT(plan(0x1p23 - 16).size.x, 1 << 23);

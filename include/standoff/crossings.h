@@ -38,13 +38,14 @@ struct EdgeCrossing {
 };
 
 struct EdgeCrossingOptions {
-  /// Which triangles count, and how they are oriented: as compute() takes them for this sign. By default all, as they
+  /// Which triangles count, and how they are oriented: as compute() takes them for this sign. none: all, as they
   /// are. winding, normal and automatic orient them and leave out what the sign leaves out (copies, inner walls; with
   /// `outer` triangles inside); parity and flood take them as they are; `invert` turns all. shell is an error: its
   /// surface is not the mesh.
   SignOptions sign = {};
-  Execution execution = {};       ///< runs on the CPU
-  std::int64_t memory_limit = 0;  ///< bytes for the crossings while they are found; 0: no limit
+  Execution execution = {};  ///< runs on the CPU
+  /// Bytes for the crossings while they are found. 0: default_memory_limit(); negative: no limit.
+  std::int64_t memory_limit = 0;
   ProgressCallback progress = {};
 };
 
