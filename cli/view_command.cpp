@@ -87,8 +87,7 @@ void ViewCommand::add_to(CLI::App& verb) {
       verb, takes_no_shell,
       "how inside is decided, as in standoff compute: " + sign_names(takes_no_shell, compute_options.sign.method),
       compute_options.sign);
-  verb.add_flag("--nearest", compute_options.nearest, "keep which triangle is nearest to each sample")
-      ->group("Sign");
+  verb.add_flag("--nearest", compute_options.nearest, "keep which triangle is nearest to each sample")->group("Sign");
   add_device(verb, "Work", compute_options.execution.backend, compute_options.execution.device);
   add_threads(verb, "Work", compute_options.execution.threads);
   server.add_to(verb);

@@ -63,8 +63,7 @@ const char* name_of(FlightMode mode) { return mode == FlightMode::thesis ? "thes
 
 double far_of(const FlightSubject& subject) { return subject.fly.bounds().longest_side() * 1.5; }
 
-FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier,
-                             int threads) {
+FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier, int threads) {
   const Box box = flier.bounds();
   FlightSubject subject{std::move(walls_name), walls, flier, {}, kShellShare * box.longest_side()};
   if (!(subject.shell_distance > 0)) return subject;

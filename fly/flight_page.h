@@ -22,8 +22,7 @@ struct FlightSubject {
 };
 
 /// The shell is as far from the fly as a quarter of its box's longest side.
-FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier,
-                             int threads);
+FlightSubject flight_subject(std::string walls_name, const Body& walls, const Body& flier, int threads);
 
 /// From how far on a wall is shown as far, world units.
 double far_of(const FlightSubject& subject);

@@ -134,7 +134,8 @@ void World::wall_distances(std::span<double> out) {
   const Vec3 middle = state_->flier.bounds().center();
   for (State::Resting& body : state_->resting) {
     if (!body.query)
-      body.query.emplace(body.model.mesh(), MeshQueryOptions{.sign = {SignMethod::none}, .execution = {.threads = state_->options.threads}});
+      body.query.emplace(body.model.mesh(), MeshQueryOptions{.sign = {SignMethod::none},
+                                                             .execution = {.threads = state_->options.threads}});
     for (std::size_t n = 0; n < points.size(); ++n)
       points[n] = apply_inverse(body.pose, apply(state_->fliers[n].pose, middle));
     // One by one: points far from each other have no triangles in common, and are slow to ask for together.
@@ -241,8 +242,7 @@ void World::State::step(Flier& it) const {
   it.pose = next;
 }
 
-World::World(const Body& flier, const FlightOptions& options)
-    : state_(new State{flier, options, {}, {}, {}, {}}) {
+World::World(const Body& flier, const FlightOptions& options) : state_(new State{flier, options, {}, {}, {}, {}}) {
   check_options(options);
   state_->prepare();
 }

@@ -127,8 +127,8 @@ TEST(World, ManyFliesAtOnceCrossNothing) {
   EXPECT_EQ(crossings, 0);
 }
 
-const CollisionModel& triangle() {
-  static const CollisionModel model(one_triangle(), {.execution = {.threads = 1}});
+const Body& triangle() {
+  static const Body model(one_triangle(), {.execution = {.threads = 1}});
   return model;
 }
 
