@@ -32,7 +32,7 @@ Mesh repeated(const Mesh& mesh, std::size_t times) {
   return all;
 }
 
-Kept without(const Mesh& mesh, std::span<const std::uint32_t> among = {}) {
+Kept without_copies(const Mesh& mesh, std::span<const std::uint32_t> among = {}) {
   ProgressMeter nobody;
   return without_many_copies(mesh, among, nobody);
 }
@@ -49,7 +49,7 @@ TEST(Copies, ManyAreNoticed) {
   Mesh mesh = random_soup(2, 20000, 1, 0.1);
   mesh.triangles.insert(mesh.triangles.begin() + 777, 2000, mesh.triangles[5000]);
   EXPECT_TRUE(has_many_copies(mesh));
-  EXPECT_EQ(without(mesh).size(), 20000u);
+  EXPECT_EQ(without_copies(mesh).size(), 20000u);
   // A triangle that is reversed, or moved to -0, is no copy.
   Mesh two_sided = random_soup(3, 2000, 1, 0.1);
   for (std::size_t n = 0; n < 2000; ++n) {
@@ -66,14 +66,14 @@ TEST(Copies, TheFirstOfEachStays) {
   for (int n = 0; n < 9000; ++n) mesh.triangles.push_back(mesh.triangles[random.below(3000)]);
   for (std::size_t n = mesh.triangles.size(); n > 1; --n)
     std::swap(mesh.triangles[n - 1], mesh.triangles[random.below(static_cast<std::uint32_t>(n))]);
-  EXPECT_EQ(without(mesh), kept_by_exact_rule(mesh, kCopiesGrid, kInfinity));
+  EXPECT_EQ(without_copies(mesh), kept_by_exact_rule(mesh, kCopiesGrid, kInfinity));
   Kept among;
   for (std::uint32_t t = 5; t < mesh.triangles.size(); t += 1 + t % 2) among.push_back(t);
   Mesh part{mesh.vertices, {}};
   for (const std::uint32_t t : among) part.triangles.push_back(mesh.triangles[t]);
   Kept expected;
   for (const std::uint32_t n : kept_by_exact_rule(part, kCopiesGrid, kInfinity)) expected.push_back(among[n]);
-  EXPECT_EQ(without(mesh, among), expected);
+  EXPECT_EQ(without_copies(mesh, among), expected);
 }
 
 // Fields without the copies, and with all of them.
