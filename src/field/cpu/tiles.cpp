@@ -9,7 +9,7 @@
 #include <limits>
 #include <memory>
 
-#include "bvh/bvh.h"
+#include "bvh/order.h"
 #include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/candidate_culling.h"
