@@ -315,7 +315,7 @@ BatchResult<ContactResult> contacts_all(const Body& a, const Pose& pose_a, const
     const collision::QueryPair pair(a, pose_a, b, poses_b[n], kernels);
     return collision::ContactSearch(pair, options).run();
   });
-  return {std::move(results), {.backend = "cpu"}};
+  return {std::move(results), {.backend = "cpu", .device = {}}};
 } catch (...) {
   throw_as_error("contacts");
 }

@@ -290,7 +290,7 @@ BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, cons
   auto results = collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
     return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels);
   });
-  return {std::move(results), {.backend = "cpu"}};
+  return {std::move(results), {.backend = "cpu", .device = {}}};
 } catch (...) {
   throw_as_error("distance");
 }

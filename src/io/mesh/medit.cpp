@@ -12,14 +12,14 @@
 namespace standoff {
 namespace {
 
-constexpr std::string_view kFirst = "MeshVersionFormatted";
+constexpr std::string_view kFirstWord = "MeshVersionFormatted";
 
 class MeditReader {
  public:
   explicit MeditReader(const FileView& file) : text_(file), builder_(file) {}
 
   Mesh read() {
-    if (word() != kFirst) text_.fail("a Medit file starts with MeshVersionFormatted; check that it is one");
+    if (word() != kFirstWord) text_.fail("a Medit file starts with MeshVersionFormatted; check that it is one");
     integer();
     for (std::string_view keyword = word(); !keyword.empty() && keyword != "End"; keyword = word()) {
       if (keyword == "Dimension")
@@ -121,7 +121,7 @@ bool is_medit(std::string_view content) {
   const FileView file("", content.substr(0, kEnough));
   TextCursor text(file);
   for (text.skip_space(); !text.at_end() && *text.position() == '#'; text.skip_space()) text.skip_line();
-  return text.word() == kFirst;
+  return text.word() == kFirstWord;
 }
 
 Mesh read_medit(const FileView& file) { return MeditReader(file).read(); }
