@@ -205,6 +205,7 @@ def _simple(text: str, comment: list[str], namespace: str) -> Entity:
     text = text.replace("STANDOFF_API ", "")
     if alias := re.match(r"(template\s*<[^<>]*>\s*)?using (\w+)", text):
         return Entity("type", alias[2], text.replace("using ", "", 1), comment, namespace)
+    text = re.sub(r"\[\] = \{.*\}$", "[]", text)  # the rows of a table are no part of what it looks like
     before = text.partition("=")[0] if "operator" not in text else text
     if "(" in before and not re.match(r"^(?:static |inline |constexpr )+[\w:]+ k[A-Z]", text):
         # A constructor's initialisers are no part of what it looks like.
