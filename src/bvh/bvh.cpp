@@ -143,7 +143,7 @@ double box_distance_sq(const Boxes16& boxes, int n, const Vec3& local, double sh
 }  // namespace
 
 // Goes down the hierarchy, into the nearest boxes first.
-NearestInBvh nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point) {
+NearestTriangle nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point) {
   if (bvh.triangles() == 0) return {};
   double best_sq = std::numeric_limits<double>::infinity();
   std::uint32_t best = kNoTriangle;

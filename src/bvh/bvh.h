@@ -197,7 +197,7 @@ bool for_each_later_overlap(const Bvh& bvh, std::uint32_t place, std::int64_t& b
 }
 
 /// A triangle of the mesh, and how far it is, world units.
-struct NearestInBvh {
+struct NearestTriangle {
   double distance = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = kNoTriangle;
 };
@@ -205,6 +205,6 @@ struct NearestInBvh {
 /// The triangle that is nearest to a point, which may be anywhere; the one of the lowest index of equally near ones. In
 /// double. Takes logarithmic time where few triangles are about as near; at the worst it looks at all. Requires the
 /// mesh that the hierarchy was made of, and a frame with an extent.
-NearestInBvh nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point);
+NearestTriangle nearest_triangle(const Bvh& bvh, MeshView mesh, const Vec3& point);
 
 }  // namespace standoff

@@ -84,14 +84,4 @@ FloatBox QueryPair::region(float by) const {
   return box;
 }
 
-FloatBox QueryPair::box_of(std::uint32_t probe_index) const {
-  FloatBox box;
-  for (const Vec3& corner : probe.body->corners[probe_index]) {
-    const Vec3 p = apply(relative, corner - probe.body->middle);
-    const float at[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-    box.include(at);
-  }
-  return box;
-}
-
 }  // namespace standoff::collision

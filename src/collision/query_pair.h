@@ -85,8 +85,6 @@ struct QueryPair {
   bool apart(double margin) const { return root_gap() > margin + slack; }
   /// The probe's box in the target's frame, grown by `by`.
   FloatBox region(float by) const;
-  /// The box of a triangle of the probe, in the target's frame.
-  FloatBox box_of(std::uint32_t probe_index) const;
 };
 
 /// Writes the lanes whose gap is at most `limit`, the nearest first; returns their number.

@@ -10,7 +10,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "field/plan.h"
-#include "sign/make_signs.h"
+#include "sign/methods.h"
 #include "sign/plan.h"
 
 namespace standoff {

@@ -382,8 +382,7 @@ void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::sp
 }  // namespace
 
 NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) {
-  const NearestInBvh nearest = nearest_triangle(index.bvh(), index.mesh(), point);
-  return {nearest.distance, nearest.triangle};
+  return nearest_triangle(index.bvh(), index.mesh(), point);
 }
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,

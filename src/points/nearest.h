@@ -62,11 +62,6 @@ class SortedPoints {
   double cell_ = 1;  // side of a cell
 };
 
-struct NearestTriangle {
-  double distance = std::numeric_limits<double>::infinity();  ///< world units
-  std::uint32_t triangle = kNoTriangle;                       ///< the lowest index of the triangles at this distance
-};
-
 /// The most points of a call: it bounds the memory for sorting them.
 inline constexpr std::size_t kMostPointsAtOnce = std::size_t{1} << 20;
 

@@ -157,4 +157,9 @@ const SignMethodSteps& steps_of(SignMethod method) {
   return *std::ranges::find(kMethodSteps, method, &SignMethodSteps::method);
 }
 
+std::unique_ptr<SampleSigns> make_signs(MeshView mesh, SignPlan& plan, const SignOptions& options,
+                                        const UnsignedField& field, ProgressMeter& progress) {
+  return steps_of(plan.report.method).make(mesh, plan, options, field, progress);
+}
+
 }  // namespace standoff

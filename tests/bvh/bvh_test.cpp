@@ -216,7 +216,7 @@ TEST(Bvh, NearestIsTheLowestOfTheNearest) {
     Random random(12);
     for (int n = 0; n < 50; ++n) {
       const Vec3 p = random.in_cube(n % 5 == 0 ? 1e9 : 2);
-      const NearestInBvh found = nearest_triangle(bvh, mesh, p);
+      const NearestTriangle found = nearest_triangle(bvh, mesh, p);
       EXPECT_LT(found.triangle, static_cast<std::uint32_t>(triangles)) << "of two copies the first";
       const double least = testing::brute_distance(mesh, p);
       EXPECT_NEAR(found.distance, least, 4e-16 * std::max(least, 1.0)) << triangles;

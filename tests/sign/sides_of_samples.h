@@ -9,7 +9,7 @@
 
 #include "core/progress.h"
 #include "field/reference.h"
-#include "sign/make_signs.h"
+#include "sign/methods.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::testing {

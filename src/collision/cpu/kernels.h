@@ -19,8 +19,6 @@ struct Kernels {
   void (*gaps_at)(const FieldView&, const float (*center)[kLanes], const float* radius, float enough, float* gap);
   /// Returns bit n if box n and `box` share a point.
   std::uint32_t (*overlapping)(const Boxes16&, const FloatBox& box);
-  /// Writes squared distances between the boxes and `box`.
-  void (*distances_sq)(const Boxes16&, const FloatBox& box, float* distance_sq);
   /// Squared distances between oriented boxes and `box`, in one frame, at least: by their projections onto the axes of
   /// both, onto the line of centers, and, where given, onto three more perpendicular unit vectors.
   void (*obb_distances_sq)(const Obb16&, const Obb& box, const float (*axes)[3], float* distance_sq);

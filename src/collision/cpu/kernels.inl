@@ -46,13 +46,6 @@ STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const Wid
   return {row(0), row(1), row(2)};
 }
 
-void distances_sq(const Boxes16& boxes, const FloatBox& box, float* distance_sq) {
-  const WidePoint low = load_points(boxes.low), high = load_points(boxes.high);
-  const WidePoint zero{WideFloat(0), WideFloat(0), WideFloat(0)};
-  const WidePoint gap = max(max(low - same_points(box.high), same_points(box.low) - high), zero);
-  (gap.x * gap.x + gap.y * gap.y + gap.z * gap.z).store(distance_sq);
-}
-
 // Sixteen oriented boxes against one, and two leaves of sixteen triangles against each other: how far apart two sets of
 // points are at least, by the gaps of their projections onto perpendicular vectors.
 
@@ -336,7 +329,6 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .gaps = gaps,
                          .gaps_at = gaps_at,
                          .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
-                         .distances_sq = distances_sq,
                          .obb_distances_sq = obb_distances_sq,
                          .near_triangles = near_triangles,
                          .transform_triangles = transform_triangles,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sign/make_signs.h"
-
+// Which samples are inside: the signs alone, without a field.
 #include <bit>
 #include <numeric>
 
@@ -12,12 +11,6 @@
 #include "standoff/occupancy.h"
 
 namespace standoff {
-std::unique_ptr<SampleSigns> make_signs(MeshView mesh, SignPlan& plan, const SignOptions& options,
-                                        const UnsignedField& field, ProgressMeter& progress) {
-  return steps_of(plan.report.method).make(mesh, plan, options, field, progress);
-}
-
-// Occupancy: the signs alone.
 
 std::int64_t Occupancy::count() const {
   return std::accumulate(bits.begin(), bits.end(), std::int64_t{0},
