@@ -24,7 +24,7 @@ with tempfile.TemporaryDirectory() as folder:
     so.surface(field, at=0.01).save(Path(folder, "solid.ply"))
     assert bytes(field.plot()).startswith(b"\x89PNG"), "no pictures"
 
-distances = so.distance(box, np.array([[100.0, 0, 0], box.vertices.mean(axis=0)]), signed=True)
+distances = so.distance(box, np.array([[100.0, 0, 0], box.vertices.mean(axis=0)]))
 assert distances[0] > 0 > distances[1], distances
 assert so.collide(so.Body(box), so.Body(box), np.eye(4)[None]).hit.all()
 for name in ("tetrahedron.3ds", "tetrahedron.dae"):
