@@ -92,7 +92,8 @@ int main(int argc, char** argv) {
   CLI::App app("standoff's compute on a workload", "bench_standoff");
   const bench::WorkloadOptions options(app);
   Settings settings;
-  const std::map<std::string, Method> methods{{"tiles", Method::tiles}, {"thesis", Method::thesis}};
+  std::map<std::string, Method> methods;
+  for (const MethodInfo& info : kComputeMethods) methods[info.name] = info.method;
   const std::map<std::string, Simd> simds{
       {"automatic", Simd::automatic}, {"portable", Simd::portable}, {"avx2", Simd::avx2}, {"avx512", Simd::avx512}};
   const std::map<std::string, Output> outputs{{"sparse", Output::sparse}, {"dense", Output::dense}};

@@ -13,6 +13,7 @@
 #include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
+#include "standoff/compute.h"
 #include "standoff/error.h"
 #include "standoff/sidecars.h"
 #include "standoff/verify.h"
@@ -56,6 +57,7 @@ struct VerifyCommand {
   VerifyOptions options;
   Console console;
   std::int64_t sidecars_wrong = 0;
+  std::string method;  // that computed the field, if the file says it
 
   Json report(const VerifyResult& found) const;
   void warn_of(const VerifyResult& found) const;
@@ -110,6 +112,7 @@ void VerifyCommand::run() {
   check_input(mesh.name());
   const FieldFile file = input.read_file(field, console);
   const DistanceField& loaded = file.field;
+  method = loaded.provenance().method;
   const Mesh triangles = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   const VerifyResult found = [&] {
     const Cancellable cancellable;
@@ -151,7 +154,10 @@ void VerifyCommand::warn_of(const VerifyResult& found) const {
 
 void VerifyCommand::fail(const VerifyResult& found) const {
   const auto fail_with = [&](const std::string& what) {
-    throw Error(ErrorCode::verify, field + ": " + what + "; compute it again from " + mesh.name());
+    const bool is_exact = method.empty() || method == find_info(Method::tiles)->name;
+    throw Error(ErrorCode::verify, field + ": " + what + "; " +
+                                       (is_exact ? "" : "the method " + method + " is not exact: ") +
+                                       "compute it again from " + mesh.name() + (is_exact ? "" : " by tiles"));
   };
   if (found.samples_wrong > 0)
     fail_with(sample_text(found.worst) + ": the value is wrong by " + number(found.worst.error) + ", more than the " +

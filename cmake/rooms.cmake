@@ -3,6 +3,6 @@
 # One list for both: a folder that the library needs is then never missing there.
 set(STANDOFF_GROUND_FILES core/*.cpp files/*.cpp geometry/*.cpp bvh/*.cpp)
 set(STANDOFF_FIELD_FILES sign/*.cpp sign/*/*.cpp field/*.cpp field/cpu/*.cpp field/cuda/*.cpp points/*.cpp points/cpu/*.cpp
-    sidecars/*.cpp sidecars/cpu/*.cpp voxels/*.cpp thesis/*.cpp
+    sidecars/*.cpp sidecars/cpu/*.cpp voxels/*.cpp thesis/*.cpp approximate/*.cpp
     backends/fields.cpp backends/streams.cpp)
 set(STANDOFF_COLLISION_FILES collision/*.cpp collision/body/*.cpp collision/cpu/*.cpp thesis/algorithm_2*.cpp backends/collision.cpp)

@@ -23,19 +23,29 @@ namespace standoff {
 enum class Method {
   tiles,   ///< exact; the default (docs/tiles.md)
   thesis,  ///< Algorithm 1 of the 2008 thesis (docs/thesis.md); not exact where its skip rule drops a triangle
+  // Algorithms of others, for comparison. None is exact (docs/methods.md).
+  fuhrmann,     ///< prisms along the triangles' normals; on the CPU alone, no full fields
+  propagate,    ///< vector propagation: exact at the surface, from there nearest triangles are handed on by sweeps
+  jumpflood,    ///< jump flooding (JFA): the same by jumps that halve
+  jumpflood_1,  ///< jump flooding with a pass of step 1 at the end (JFA+1)
 };
 
 /// What is said of a method.
 struct MethodInfo {
   Method method;
-  const char* name;  ///< in options and reports
-  const char* what;  ///< for help
+  const char* name;         ///< in options and reports
+  const char* what;         ///< for help
+  bool full_fields = true;  ///< also computes fields of infinite thickness
 };
 
 /// All methods. Checks, messages, help and reports ask this table.
 inline constexpr MethodInfo kComputeMethods[] = {
     {Method::tiles, "tiles", "exact"},
     {Method::thesis, "thesis", "Algorithm 1 of 2008"},
+    {Method::fuhrmann, "fuhrmann", "prisms along normals, not exact", false},
+    {Method::propagate, "propagate", "vector propagation, not exact"},
+    {Method::jumpflood, "jumpflood", "jump flooding, not exact"},
+    {Method::jumpflood_1, "jumpflood+1", "the same and one more step"},
 };
 
 /// The row of a method; nullptr for numbers that are none.
@@ -75,7 +85,7 @@ struct ComputeOptions {
 
 /// What a computation did.
 struct ComputeReport {
-  std::string method;   ///< "tiles" or "thesis"
+  std::string method;   ///< a name of kComputeMethods
   std::string backend;  ///< "cpu", "cuda" or "emulated"
   std::string device;   ///< the instruction set or the GPU's name
   int threads = 0;

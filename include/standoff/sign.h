@@ -9,12 +9,13 @@ namespace standoff {
 
 /// How the sign of a field is decided. No method but `shell` changes the magnitude of a value; SignOptions::outer may.
 enum class SignMethod {
-  none,       ///< no sign: all values are positive
-  winding,    ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number
-  parity,     ///< by the parity of crossings; the mesh must be closed, its orientation does not matter
-  normal,     ///< by the angle-weighted normal of the nearest face, edge or vertex: for terrain and sheets with a front
-  flood,      ///< outside is what can be reached from the grid's border between samples that no triangle separates
-  shell,      ///< the mesh as a solid of thickness SignOptions::shell: distance - shell / 2
+  none,     ///< no sign: all values are positive
+  winding,  ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number
+  parity,   ///< by the parity of crossings; the mesh must be closed, its orientation does not matter
+  normal,   ///< by the angle-weighted normal of the nearest face, edge or vertex: for terrain and sheets with a front
+  facet,    ///< by the plane of the nearest triangle: for comparison (docs/methods.md), wrong beside edges and vertices
+  flood,    ///< outside is what can be reached from the grid's border between samples that no triangle separates
+  shell,    ///< the mesh as a solid of thickness SignOptions::shell: distance - shell / 2
   automatic,  ///< by the diagnosis of the mesh; ComputeReport says which method and why
 };
 
@@ -47,6 +48,10 @@ inline constexpr SignMethodInfo kSignMethods[] = {
      .name = "normal",
      .inside = "behind the nearest triangle, for terrain",
      .at_points = true,
+     .by_orientation = true},
+    {.method = SignMethod::facet,
+     .name = "facet",
+     .inside = "behind the nearest triangle's plane, wrong beside edges",
      .by_orientation = true},
     {.method = SignMethod::flood,
      .name = "flood",

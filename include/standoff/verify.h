@@ -68,8 +68,9 @@ STANDOFF_API double allowed_error(const Grid& grid, double distance);
 /// `winding` of open meshes: by the sum of all solid angles in double precision, which takes time in proportion to
 /// samples times triangles (some 25 ns each); samples within 1e-9 and its rounding error of the threshold count as
 /// unknown. `flood`: samples outside of the mesh's box. `normal`: samples in the band, on the same side of all
-/// triangles that may be the nearest. `shell`: expected values are distance - shell / 2. With `outer`, distances are
-/// those to the exposed triangles (standoff/exposed.h), which are found again.
+/// triangles that may be the nearest. `facet` of closed meshes: as `winding`, which `facet` only approximates. `shell`:
+/// expected values are distance - shell / 2. With `outer`, distances are those to the exposed triangles
+/// (standoff/exposed.h), which are found again.
 ///
 /// If the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
 /// interrupted.

@@ -31,7 +31,7 @@ def field(
     thickness: float | None = None,
     sign: str | Sign | None = "auto",
     nearest: bool = False,
-    method: Literal["tiles", "thesis"] = "tiles",
+    method: Literal["tiles", "thesis", "fuhrmann", "propagate", "jumpflood", "jumpflood+1"] = "tiles",
     out: Any = None,
     device: str = "auto",
     stream: Any = None,
@@ -56,7 +56,8 @@ def field(
         sign: ``"auto"`` makes values inside negative by what fits the mesh, and warns if that is not certain
             (`SignWarning`). Another method's name, a `Sign`, or None for distances without sign.
         nearest: also store the index of each sample's nearest triangle.
-        method: ``"tiles"``, or Algorithm 1 of the 2008 thesis.
+        method: ``"tiles"``, which is exact. The others are for comparison: Algorithm 1 of the 2008 thesis, and algorithms
+            of others, which are not exact (docs/methods.md).
         out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it. For a
             mesh on a GPU one there; by default the library that the vertices came in makes it.
         device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``.

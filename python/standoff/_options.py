@@ -17,7 +17,7 @@ from . import _core
 from ._checks import number, triple, whole_number
 from ._errors import SignWarning
 
-SignMethod = Literal["auto", "none", "winding", "parity", "normal", "flood", "shell"]
+SignMethod = Literal["auto", "none", "winding", "parity", "normal", "facet", "flood", "shell"]
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 Progress = bool | Callable[[str, float], Any] | None
 
@@ -28,8 +28,8 @@ class Sign:
 
     Attributes:
         method: ``"auto"`` takes what fits the mesh, or no sign if it has no inside. ``"winding"`` and ``"parity"`` go
-            by crossings, ``"normal"`` by the nearest triangle's front (terrain), ``"flood"`` by what cannot be reached
-            from outside, ``"shell"`` makes the surface a solid of the given thickness; ``"none"``: no sign.
+            by crossings, ``"normal"`` by the nearest triangle's front (terrain), ``"facet"`` by its plane, which is
+            wrong beside edges and for comparison only, ``"flood"`` by what cannot be reached from outside, ``"shell"`` makes the surface a solid of the given thickness; ``"none"``: no sign.
         rule: which winding numbers are inside: ``"positive"``, ``"nonzero"`` or ``"odd"``.
         invert: exchange inside and outside, as for a room scanned from inside.
         strict: raise `DoubtError` where the sign is not certain.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tables of backends and methods, of skip rules, and of devices for queries at points.
+#include <algorithm>
 #include <array>
 
+#include "approximate/approximate.h"
 #include "backends/cuda/fields.h"
 #include "backends/missing.h"
 #include "field/backend.h"
@@ -18,21 +20,59 @@ namespace standoff {
 namespace {
 
 constexpr auto kAlways = [] { return true; };
-[[maybe_unused]] constexpr auto kEmulatedDevice = [](Simd, int) { return std::string("emulated on the CPU"); };
-constexpr auto kGpuName = [](Simd, int device) { return cuda::device_name(device); };
+
+// The row of a method on a GPU.
+template <Method kMethod>
+constexpr BackendRow on_cuda() {
+  return {Backend::cuda,
+          kMethod,
+          cuda::available,
+          [](Simd, int device) { return cuda::device_name(device); },
+          [](const Job& job, Sink& sink) { return cuda::run(kMethod, job, sink); },
+          [](std::int64_t triangles, const Grid& grid, double thickness, int) {
+            return cuda::scratch_bytes(kMethod, triangles, grid, thickness);
+          }};
+}
+
+#ifdef STANDOFF_HAVE_EMULATION
+template <Method kMethod>
+constexpr BackendRow on_emulated() {
+  return {testing::kEmulated,
+          kMethod,
+          kAlways,
+          [](Simd, int) { return std::string("emulated on the CPU"); },
+          [](const Job& job, Sink& sink) { return emulated::run(kMethod, job, sink); },
+          [](std::int64_t triangles, const Grid& grid, double thickness, int) {
+            return emulated::scratch_bytes(kMethod, triangles, grid, thickness);
+          }};
+}
+#endif
+
+// The row of an algorithm for comparison on the CPU, which is compiled for any processor.
+constexpr BackendRow plain_on_cpu(Method method, Counts (*run)(const Job&, Sink&),
+                                  std::int64_t (*scratch_bytes)(std::int64_t, const Grid&, double, int)) {
+  return {Backend::cpu, method, kAlways, [](Simd, int) { return std::string("portable"); }, run, scratch_bytes};
+}
 
 constexpr std::array kFieldRows{
-    BackendRow{Backend::cuda, Method::tiles, cuda::available, kGpuName, cuda::run_tiles, cuda::scratch_bytes},
-    BackendRow{Backend::cuda, Method::thesis, cuda::available, kGpuName, cuda::run_thesis, cuda::scratch_bytes},
+    on_cuda<Method::tiles>(),
+    on_cuda<Method::thesis>(),
+    on_cuda<Method::propagate>(),
+    on_cuda<Method::jumpflood>(),
+    on_cuda<Method::jumpflood_1>(),
     BackendRow{Backend::cpu, Method::tiles, kAlways, [](Simd simd, int) { return cpu::tiles_device(simd); },
                cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_layers},
-    BackendRow{Backend::cpu, Method::thesis, kAlways, [](Simd simd, int) { return cpu::thesis_device(simd); },
-               cpu::run_thesis, cpu::thesis_scratch_bytes},
+    plain_on_cpu(Method::thesis, cpu::run_thesis, cpu::thesis_scratch_bytes),
+    plain_on_cpu(Method::fuhrmann, cpu::run_fuhrmann, cpu::thesis_scratch_bytes),
+    plain_on_cpu(Method::propagate, cpu::run_propagate, cpu::flood_scratch_bytes),
+    plain_on_cpu(Method::jumpflood, cpu::run_jumpflood, cpu::flood_scratch_bytes),
+    plain_on_cpu(Method::jumpflood_1, cpu::run_jumpflood_1, cpu::flood_scratch_bytes),
 #ifdef STANDOFF_HAVE_EMULATION
-    BackendRow{testing::kEmulated, Method::tiles, kAlways, kEmulatedDevice, emulated::run_tiles,
-               emulated::scratch_bytes},
-    BackendRow{testing::kEmulated, Method::thesis, kAlways, kEmulatedDevice, emulated::run_thesis,
-               emulated::scratch_bytes},
+    on_emulated<Method::tiles>(),
+    on_emulated<Method::thesis>(),
+    on_emulated<Method::propagate>(),
+    on_emulated<Method::jumpflood>(),
+    on_emulated<Method::jumpflood_1>(),
 #endif
 };
 
@@ -46,8 +86,14 @@ const BackendRow& find_backend(Backend backend, Method method, std::int64_t tria
   const Backend wanted = backend == Backend::automatic && is_small ? Backend::cpu : backend;
   for (const BackendRow& row : kFieldRows)
     if (row.method == method && (wanted == Backend::automatic || row.backend == wanted) && row.available()) return row;
+  // The CPU has a row for every method.
+  const auto fits = [&](const BackendRow& row) { return row.method == method && row.backend == backend; };
+  const bool is_for_others =
+      std::ranges::any_of(kFieldRows, [&](const BackendRow& row) { return row.backend == backend; });
+  if (is_for_others && std::ranges::none_of(kFieldRows, fits))
+    throw Error(ErrorCode::usage, std::string("compute: the method ") + find_info(method)->name +
+                                      " runs on the CPU alone; take the device cpu, or the method tiles");
   throw_if_missing(backend, "compute");
-  // The CPU has a row for every method, and options are checked before.
   throw Error(ErrorCode::internal, "compute: no row for this method; this is a bug in standoff, please report it");
 }
 

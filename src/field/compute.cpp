@@ -59,7 +59,9 @@ Job Computation::job() {
 }
 
 std::unique_ptr<SampleSigns> Computation::signs(const NearestTriangles& nearest) {
-  const UnsignedField field{plan_.grid, plan_.field_thickness, nearest, crossing_bytes(plan_)};
+  // Other methods may miss samples of the band.
+  const double complete = plan_.row->method == Method::tiles ? plan_.field_thickness : 0;
+  const UnsignedField field{plan_.grid, complete, nearest, crossing_bytes(plan_)};
   return make_signs(mesh_, sign_plan_, options_.sign, field, progress_);
 }
 

@@ -33,6 +33,9 @@ void validate(double thickness, const ComputeOptions& options) {
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
   if (!find_info(options.method) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
+  if (std::isinf(thickness) && !find_info(options.method)->full_fields)
+    throw Error(ErrorCode::usage, std::string("compute: the method ") + find_info(options.method)->name +
+                                      " has no full fields; give a finite thickness, or take the method tiles");
   validate(options.sign);
 }
 

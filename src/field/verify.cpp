@@ -42,8 +42,8 @@ class SignJudge {
   SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText& sign, std::vector<std::int8_t> use);
 
   /// Whether any sign can be judged. With `flood` this is possible only for points beyond the mesh's box; with `normal`
-  /// for points on the same side of all nearest triangles; with `shell`, or with `parity` on a mesh that is not closed,
-  /// for none.
+  /// for points on the same side of all nearest triangles; with `shell`, or with `parity` or `facet` on a mesh that is
+  /// not closed, for none.
   bool can_judge() const { return by_ != By::none; }
   /// `allowed`: the error that the point's distance may have, world units.
   PointSign judge(const Vec3& p, double allowed) const;
@@ -92,6 +92,7 @@ SignJudge::SignJudge(MeshView mesh, const TriangleGroups& groups, const SignText
   mesh_ = {mesh, use_};
   if (sign.method == SignMethod::flood) by_ = By::box;
   if (sign.method == SignMethod::normal) by_ = By::nearest;
+  if (sign.method == SignMethod::facet && closed_in_use(mesh_).oriented) by_ = By::crossings;
   if (sign.method == SignMethod::parity && closed_in_use(mesh_).unoriented) by_ = By::crossings;
   if (sign.method == SignMethod::winding) by_ = closed_in_use(mesh_).oriented ? By::crossings : By::angles;
 }

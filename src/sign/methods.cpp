@@ -92,6 +92,11 @@ void plan_normal(SignPlan& plan, MeshView mesh, const SignOptions& options, Prog
   plan.report.why = "front and back of the nearest triangle decide";
 }
 
+void plan_facet(SignPlan& plan, MeshView mesh, const SignOptions& options, ProgressMeter& progress) {
+  plan_normal(plan, mesh, options, progress);
+  plan.report.why = "the plane of the nearest triangle decides, which is wrong beside many edges and vertices";
+}
+
 void plan_flood(SignPlan& plan, MeshView mesh, const SignOptions&, ProgressMeter& progress) {
   plan.report.sure = closed_of(mesh, progress).unoriented;
   plan.report.why = plan.report.sure ? "the mesh is closed" : "outside is what a flood reaches; the mesh has gaps";
@@ -118,10 +123,11 @@ Made parity_signs(MeshView mesh, SignPlan&, const SignOptions&, const UnsignedFi
                                           field.crossing_bytes);
 }
 
-Made normal_signs(MeshView mesh, SignPlan& plan, const SignOptions&, const UnsignedField& field,
-                  ProgressMeter& progress) {
-  return std::make_unique<NormalSigns>(OrientedMesh{mesh, plan.use}, field.grid, field.thickness, field.nearest,
-                                       progress);
+template <SideOfNearest (*kSideOf)(const OrientedMesh&)>
+Made signs_by_nearest(MeshView mesh, SignPlan& plan, const SignOptions&, const UnsignedField& field,
+                      ProgressMeter& progress) {
+  return std::make_unique<NormalSigns>(mesh, kSideOf(OrientedMesh{mesh, plan.use}), field.grid, field.thickness,
+                                       field.nearest, progress);
 }
 
 Made flood_signs(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
@@ -140,7 +146,8 @@ constexpr SignMethodSteps kMethodSteps[] = {
     {SignMethod::automatic, plan_winding},
     {SignMethod::winding, plan_winding, winding_signs},
     {SignMethod::parity, plan_parity, parity_signs},
-    {SignMethod::normal, plan_normal, normal_signs, false, true},
+    {SignMethod::normal, plan_normal, signs_by_nearest<by_pseudonormals>, false, true},
+    {SignMethod::facet, plan_facet, signs_by_nearest<by_planes>, false, true},
     {SignMethod::flood, plan_flood, flood_signs, false},
     {SignMethod::shell, plan_shell},
     {SignMethod::none, plan_nothing},

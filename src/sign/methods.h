@@ -17,10 +17,10 @@
 
 namespace standoff {
 
-/// The field that needs a sign. Only SignMethod::normal looks at thickness and nearest triangles.
+/// The field that needs a sign. Only SignMethod::normal and ::facet look at thickness and nearest triangles.
 struct UnsignedField {
   const Grid& grid;
-  double thickness = 0;
+  double thickness = 0;  ///< all samples this near to the mesh have a nearest triangle
   NearestTriangles nearest = {};
   /// The bytes that crossings may take at a time (RowCrossings) where they can be found again.
   std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max();

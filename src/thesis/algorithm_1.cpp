@@ -65,10 +65,12 @@ constexpr std::int64_t kTrianglesAtOnce = 2048;  // triangles of a brick in one 
 // Data that the bricks share. Lengths are in grid units (lattice.h), positions relative to the brick's centre.
 struct Shared {
   const Job& job;
+  VisitedSamples* visited;
   BlockLattice lattice;
   float coordinate[3][kRow];  // the samples of a brick, per axis
 
-  explicit Shared(const Job& j) : job(j), lattice(make_block_lattice(j.grid, j.thickness)) {
+  Shared(const Job& j, VisitedSamples* visit)
+      : job(j), visited(visit), lattice(make_block_lattice(j.grid, j.thickness)) {
     for (int axis = 0; axis < 3; ++axis)
       for (int sample = 0; sample < kRow; ++sample) coordinate[axis][sample] = brick_coordinate(lattice, sample, axis);
   }
@@ -151,7 +153,7 @@ class Gather {
     const auto [a, b, c] = mesh.corners(index);
     const Triple<double> corner[3] = {triple_of(a), triple_of(b), triple_of(c)};
     const SampleRange all = shared_.samples(brick_);
-    const SampleRange range = intersection(visited_samples(corner, shared_.job.grid, shared_.job.thickness), all);
+    const SampleRange range = intersection(shared_.visited(corner, shared_.job.grid, shared_.job.thickness), all);
     if (range.empty()) return;
     examined_ += range.count();
     const Triple<double> center{brick_.center[0], brick_.center[1], brick_.center[2]};
@@ -212,8 +214,8 @@ std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& 
 
 }  // namespace
 
-Counts run_thesis(const Job& job, Sink& sink) {
-  const Shared shared(job);
+Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited) {
+  const Shared shared(job, visited);
   std::atomic<std::int64_t> examined{0}, band{0};
   job.progress.stage("gather", shared.lattice.brick_count(), 0.2, 1);
   const auto gather_batch = [&](const Bins& bins) {
@@ -237,7 +239,7 @@ Counts run_thesis(const Job& job, Sink& sink) {
   return {examined, band};
 }
 
-std::string thesis_device(Simd) { return "portable"; }
+Counts run_thesis(const Job& job, Sink& sink) { return run_in_boxes(job, sink, visited_samples); }
 
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
   return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), most_refs(triangles), threads) +

@@ -132,7 +132,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
       value = sqrt(__uint_as_float(static_cast<std::uint32_t>(found >> 32))) * l.unscale;
       triangle = static_cast<std::uint32_t>(found);
     }
-    const bool in_band = in_grid && value <= l.thickness_world;
+    const bool in_band = triangle != kNoTriangle && value <= l.thickness_world;
     finish_tile(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
                 output, outcome);
   }
@@ -147,19 +147,27 @@ struct Algorithm1 {
   Algorithm1(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t)
       : tiles(memory, l.tile_count()), nearest(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
 
-  /// First half: finds the least distance of each sample, and gives tiles their slots.
+  /// Finds the least distance of each sample.
   template <StopAfter kLast = StopAfter::write>
-  void lower(const Lattice& l, const Task& task, Stream stream) const {
-    const std::int64_t all = l.tile_count(), samples = task.grid.sample_count();
-    const std::int64_t warps = blocks_for(32 * task.mesh.used_count());
+  void clear_and_lower(const Lattice& l, const Task& task, Stream stream) const {
+    const std::int64_t samples = task.grid.sample_count(), warps = blocks_for(32 * task.mesh.used_count());
     launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
     launch(stream, "clear samples", clear_samples, kManyBlocks, kThreads, nearest, samples);
     launch(stream, "Algorithm 1", lower_samples<kLast>, warps < kManyBlocks * 8 ? warps : kManyBlocks * 8, kThreads, l,
            task.mesh, task.grid, task.thickness, nearest, task.outcome);
+  }
+  /// Gives tiles their slots, if the output is sparse.
+  void mark(const Lattice& l, const Task& task, Stream stream) const {
     if (!task.output.slots) return;
-    fill_bytes(stream, tiles.used, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    fill_bytes(stream, tiles.used, 0, (l.tile_count() + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
     launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kGatherThreads, l, nearest, tiles.used, task.outcome);
     tiles.give(l, task, stream);
+  }
+  /// First half: both.
+  template <StopAfter kLast = StopAfter::write>
+  void lower(const Lattice& l, const Task& task, Stream stream) const {
+    clear_and_lower<kLast>(l, task, stream);
+    mark(l, task, stream);
   }
 
   /// Second half: makes the field from them.
@@ -173,6 +181,10 @@ struct Algorithm1 {
   }
   void run(CountedRun& run) {
     lower(run.lattice, run.task, nullptr);
+    finish(run);
+  }
+  /// The second half after the host has made room for the values.
+  void finish(CountedRun& run) const {
     run.wait();
     require_free_memory(run.value_bytes());
     run.make_values();
@@ -225,13 +237,6 @@ void enqueue_until(const Task& task, void* workspace, std::int64_t bytes, Stream
   } else {
     in_workspace<ThickBand>(task, l, workspace, bytes).enqueue(l, task, stream);
   }
-}
-
-/// Calls use.template operator()<Pipeline>() with the pipeline of a method; for `tiles`, the thickness decides too.
-template <class Use>
-auto with_pipeline(Method method, const Grid& grid, double thickness, Use use) {
-  if (method == Method::thesis) return use.template operator()<Algorithm1>();
-  return with_tiles_pipeline(grid, thickness, use);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

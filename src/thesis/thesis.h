@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "field/backend.h"
+#include "geometry/triangle_box.h"
+#include "geometry/triple.h"
 #include "standoff/mesh.h"
 
 namespace standoff::cpu {
@@ -15,7 +17,10 @@ namespace standoff::cpu {
 /// in its box grown by the thickness, it computes the squared distance and keeps it if it is smaller.
 /// Counts::samples_examined is the number of these pairs. Skipping and compaction come before (Job::kept).
 Counts run_thesis(const Job& job, Sink& sink);
-std::string thesis_device(Simd requested);
+/// The same for other samples: those that `visited` names for a triangle, world units. They must lie in the triangle's
+/// box grown by the thickness.
+using VisitedSamples = SampleRange(const Triple<double> (&corner)[3], const Grid& grid, double thickness);
+Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited);
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 
 }  // namespace standoff::cpu

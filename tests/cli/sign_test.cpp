@@ -46,7 +46,7 @@ class Sign : public testing::ProgramTest {
 
 TEST_F(Sign, EveryMethodAndRule) {
   EXPECT_EQ(sides("ball.obj"), "--+") << "auto is the default";
-  for (const std::string method : {"none", "auto", "winding", "parity", "normal", "flood"})
+  for (const std::string method : {"none", "auto", "winding", "parity", "normal", "facet", "flood"})
     EXPECT_EQ(sides("ball.obj --sign " + method), method == "none" ? "+++" : "--+") << method;
   EXPECT_EQ(sides("ball.obj --sign winding --invert"), "++-");
   EXPECT_EQ(sides("ball.obj --sign auto --invert"), "++-");
@@ -181,7 +181,7 @@ TEST_F(Sign, PairsThatContradictEachOther) {
     EXPECT_FALSE(folder.names().contains("wrong.vti")) << options;
   }
   const Ran unknown = run(words("compute ball.obj --sign wind"));
-  for (const char* method : {"auto", "winding", "parity", "normal", "flood", "shell", "none"})
+  for (const char* method : {"auto", "winding", "parity", "normal", "facet", "flood", "shell", "none"})
     EXPECT_TRUE(unknown.says(method)) << method << " is not named: " << unknown.err;
 }
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "backends/cuda/fields.h"
+#include "backends/cuda/pipelines.cuh"
 #include "standoff/cuda.h"
 #include "standoff/mesh.h"
-#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 

@@ -2,10 +2,11 @@
 // Fields on a GPU by every method: the public functions for device memory (standoff/cuda.h), and the rows of the table
 // of backends. nvcc compiles this file for CUDA; fields_emulated.cpp compiles it for the emulation.
 #include "backends/cuda/fields.h"
+
+#include "backends/cuda/pipelines.cuh"
 #include "core/guarded.h"
 #include "field/cuda/counted_run.cuh"
 #include "gpu/platform.cuh"
-#include "thesis/algorithm_1.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {
@@ -15,15 +16,6 @@ std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thicknes
   const Lattice l = make_lattice(grid, thickness);
   return with_pipeline(method, grid, thickness,
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
-}
-
-Counts run(const Job& job, Sink& sink, Method method) try {
-  const DeviceScope scope(job.device);
-  return with_pipeline(method, job.grid, job.thickness,
-                       [&]<class Pipeline>() { return run_from_host<Pipeline>(job, sink); });
-} catch (const gpu::OutOfMemory& error) {
-  throw Error(error.code(), std::string(error.what()) + ", or take fewer samples or a smaller thickness",
-              error.details());
 }
 
 }  // namespace
@@ -56,17 +48,24 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
   throw_as_error("cuda");
 }
 
-Counts run_tiles(const Job& job, Sink& sink) { return run(job, sink, Method::tiles); }
-Counts run_thesis(const Job& job, Sink& sink) { return run(job, sink, Method::thesis); }
+Counts run(Method method, const Job& job, Sink& sink) try {
+  const DeviceScope scope(job.device);
+  const Counts counts = with_pipeline(method, job.grid, job.thickness,
+                                      [&]<class Pipeline>() { return run_from_host<Pipeline>(job, sink); });
+  check_seeds(job.thickness, counts.samples_band);
+  return counts;
+} catch (const gpu::OutOfMemory& error) {
+  throw Error(error.code(), std::string(error.what()) + ", or take fewer samples or a smaller thickness",
+              error.details());
+}
 
-std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int) {
+std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness) {
   const std::int64_t host = host_scratch_bytes(grid);
   if (!kIsEmulated) return host;
-  const std::int64_t entries = estimate_list_entries(triangles, grid, thickness);
+  const std::int64_t entries = cuda::likely_entries(triangles, grid, thickness, method);
   constexpr std::int64_t tile_bytes = 2 * 4 * kTileSamples, mesh_bytes = 9 * 8 + 3 * 4;
   return host + tile_count(grid.size) * (tile_bytes + 4) + triangles * mesh_bytes +
-         std::max(bytes_for(triangles, grid, thickness, Method::tiles, entries),
-                  bytes_for(triangles, grid, thickness, Method::thesis, 0));
+         bytes_for(triangles, grid, thickness, method, entries);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -10,19 +10,18 @@ namespace standoff::cuda {
 
 // The functions of the table of backends (src/backends/fields.cpp).
 
-Counts run_tiles(const Job& job, Sink& sink);
-Counts run_thesis(const Job& job, Sink& sink);
+/// Requires a method that has a pipeline (pipelines.cuh).
+Counts run(Method method, const Job& job, Sink& sink);
 /// Bytes of host memory beside the output; the GPU's own memory is not counted.
-std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness);
 
 }  // namespace standoff::cuda
 
 namespace standoff::emulated {
 
-Counts run_tiles(const Job& job, Sink& sink);
-Counts run_thesis(const Job& job, Sink& sink);
+Counts run(Method method, const Job& job, Sink& sink);
 /// The same, plus the memory that emulates the GPU's.
-std::int64_t scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness);
 
 }  // namespace standoff::emulated
 

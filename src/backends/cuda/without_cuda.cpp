@@ -15,9 +15,8 @@ namespace {
 
 }  // namespace
 
-Counts run_tiles(const Job&, Sink&) { fail(); }
-Counts run_thesis(const Job&, Sink&) { fail(); }
-std::int64_t scratch_bytes(std::int64_t, const Grid& grid, double, int) { return host_scratch_bytes(grid); }
+Counts run(Method, const Job&, Sink&) { fail(); }
+std::int64_t scratch_bytes(Method, std::int64_t, const Grid& grid, double) { return host_scratch_bytes(grid); }
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView>, const OnStream&) { fail(); }
 std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest>, const OnStream&) { fail(); }

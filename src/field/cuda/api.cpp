@@ -13,7 +13,7 @@ namespace standoff::cuda {
 std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thickness, Method method) try {
   validate(grid);
   check_counts(triangles, thickness, 0);
-  return method == Method::thesis ? 0 : estimate_list_entries(triangles, grid, thickness);
+  return method == Method::tiles ? estimate_list_entries(triangles, grid, thickness) : 0;
 } catch (...) {
   throw_as_error("cuda");
 }

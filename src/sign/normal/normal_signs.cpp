@@ -5,12 +5,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "bvh/order.h"
 #include "core/tile_count.h"
+#include "geometry/predicates.h"
 
 namespace standoff {
 namespace {
@@ -55,23 +57,35 @@ std::size_t first_of(const TileBits& bits) {
 
 ClosestTriangle::ClosestTriangle(MeshView mesh) : mesh_(mesh), bvh_(bvh_without_copies(mesh)) {}
 
-NormalSigns::NormalSigns(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
-                         ProgressMeter& progress)
+SideOfNearest by_pseudonormals(const OrientedMesh& mesh) {
+  return [normals = std::make_shared<const Pseudonormals>(mesh)](const Vec3& p, std::uint32_t triangle) {
+    return normals->place_of(p, triangle);
+  };
+}
+
+SideOfNearest by_planes(const OrientedMesh& mesh) {
+  return [mesh](const Vec3& p, std::uint32_t triangle) {
+    const auto [a, b, c] = mesh.mesh.corners(triangle);
+    return orient3d(a, b, c, p) * mesh.use_of(triangle) < 0 ? Pseudonormals::Place::back : Pseudonormals::Place::front;
+  };
+}
+
+NormalSigns::NormalSigns(MeshView mesh, const SideOfNearest& side_of, const Grid& grid, double thickness,
+                         const NearestTriangles& nearest, ProgressMeter& progress)
     : lattice_(TileLattice::of(grid)),
-      edges_(edges_of(mesh.mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
+      edges_(edges_of(mesh, lattice_, !has_ends_of_crossed_edges(grid, thickness), progress)),
       mixed_(lattice_.tile_count()),
       is_decided_(lattice_.tile_count()),
       is_inside_(lattice_.tile_count()),
       is_next_(lattice_.tile_count()) {
   find_tiles(nearest);
-  const Pseudonormals normals(mesh);
-  decide_band(normals, grid, nearest, progress);
+  decide_band(side_of, grid, nearest, progress);
   std::optional<ClosestTriangle> closest;  // most fields have no sample that needs it
-  decide_rest_of_mixed(mesh.mesh, normals, closest, grid, nearest, progress);
+  decide_rest_of_mixed(mesh, side_of, closest, grid, nearest, progress);
   std::vector<std::size_t> tiles;
   mixed_.for_each([&](std::size_t tile) { tiles.push_back(tile); });
   spread(grid, std::move(tiles), progress);
-  decide_rest(mesh.mesh, normals, closest, grid, progress);
+  decide_rest(mesh, side_of, closest, grid, progress);
 }
 
 void NormalSigns::find_tiles(const NearestTriangles& nearest) {
@@ -87,7 +101,7 @@ void NormalSigns::find_tiles(const NearestTriangles& nearest) {
   parts_.resize(mixed_.count());
 }
 
-void NormalSigns::decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+void NormalSigns::decide_band(const SideOfNearest& side_of, const Grid& grid, const NearestTriangles& nearest,
                               ProgressMeter& progress) {
   std::vector<std::size_t> tiles;
   tiles.reserve(mixed_.count());
@@ -99,7 +113,7 @@ void NormalSigns::decide_band(const Pseudonormals& normals, const Grid& grid, co
       Decided& part = parts_[n];
       nearest.for_each(tile[0], tile[1], tile[2], [&](std::size_t at, std::uint32_t triangle) {
         // Samples on the surface get no side here, so that none spreads from them.
-        part.add(normals.place_of(position_of(grid, tile, at), triangle), at);
+        part.add(side_of(position_of(grid, tile, at), triangle), at);
       });
       part = spread_within(part, edges_.of_tile(tiles[n]), bits_in_grid(grid.size, tile));
     }
@@ -133,7 +147,7 @@ void NormalSigns::spread(const Grid& grid, std::vector<std::size_t> changed, Pro
 }
 
 // Skips samples with a nearest triangle and no side: they are on the surface.
-void NormalSigns::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals,
+void NormalSigns::decide_rest_of_mixed(MeshView mesh, const SideOfNearest& side_of,
                                        std::optional<ClosestTriangle>& closest, const Grid& grid,
                                        const NearestTriangles& nearest, ProgressMeter& progress) {
   std::vector<std::size_t> tiles;
@@ -155,7 +169,7 @@ void NormalSigns::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
         const std::size_t sample = first_of(rest);
         add_bit(looked_up, sample);
         const Vec3 p = position_of(grid, at, sample);
-        part.add(normals.place_of(p, closest->to(p)), sample);
+        part.add(side_of(p, closest->to(p)), sample);
         part = spread_within(part, edges_.of_tile(tile), in_grid);
       }
     }
@@ -164,7 +178,7 @@ void NormalSigns::decide_rest_of_mixed(MeshView mesh, const Pseudonormals& norma
 
 // Decides regions of whole tiles that surfaces between layers of tiles separate from all others. They are few, because
 // each is large.
-void NormalSigns::decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+void NormalSigns::decide_rest(MeshView mesh, const SideOfNearest& side_of, std::optional<ClosestTriangle>& closest,
                               const Grid& grid, ProgressMeter& progress) {
   if (mesh.triangles.empty()) return;
   for (std::size_t tile = 0; tile < lattice_.tile_count(); ++tile) {
@@ -173,7 +187,7 @@ void NormalSigns::decide_rest(MeshView mesh, const Pseudonormals& normals, std::
     if (!closest) closest.emplace(mesh);
     const Vec3 p = position_of(grid, lattice_.tile_at(tile), 0);
     Decided one;
-    one.add(normals.place_of(p, closest->to(p)), 0);
+    one.add(side_of(p, closest->to(p)), 0);
     set(tile, one);
     spread(grid, {tile}, progress);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -32,7 +33,15 @@ class ClosestTriangle {
   Bvh bvh_;
 };
 
-/// Samples with a nearest triangle have the side that Pseudonormals finds. Other samples take the side of those that
+/// The side of its nearest triangle that a point is on.
+using SideOfNearest = std::function<Pseudonormals::Place(const Vec3& p, std::uint32_t triangle)>;
+/// Exact: by the normal of the nearest face, edge or vertex.
+SideOfNearest by_pseudonormals(const OrientedMesh& mesh);
+/// By the triangle's plane alone, as Fuhrmann 2003: wrong where the nearest point is on an edge or a vertex, and the
+/// planes that meet there disagree. A point in the plane is in front, and so is any point of a triangle without area.
+SideOfNearest by_planes(const OrientedMesh& mesh);
+
+/// Samples with a nearest triangle have the side that SideOfNearest finds. Other samples take the side of those that
 /// they are connected with by grid edges that no triangle crosses, in three steps:
 /// 1. Within each tile that has nearest triangles or crossed edges. Where no side comes, one of the connected samples
 ///    looks for its closest triangle among all. This happens only in bands thinner than a spacing.
@@ -46,8 +55,8 @@ class NormalSigns final : public SampleSigns {
  public:
   /// Requires a valid mesh and grid, and the nearest triangles of a field of this thickness. Runs on the threads of the
   /// calling TBB arena. Throws Error{interrupted}.
-  NormalSigns(const OrientedMesh& mesh, const Grid& grid, double thickness, const NearestTriangles& nearest,
-              ProgressMeter& progress);
+  NormalSigns(MeshView mesh, const SideOfNearest& side_of, const Grid& grid, double thickness,
+              const NearestTriangles& nearest, ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
 
@@ -60,12 +69,12 @@ class NormalSigns final : public SampleSigns {
   };
 
   void find_tiles(const NearestTriangles& nearest);
-  void decide_band(const Pseudonormals& normals, const Grid& grid, const NearestTriangles& nearest,
+  void decide_band(const SideOfNearest& side_of, const Grid& grid, const NearestTriangles& nearest,
                    ProgressMeter& progress);
   void spread(const Grid& grid, std::vector<std::size_t> changed, ProgressMeter& progress);
-  void decide_rest_of_mixed(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+  void decide_rest_of_mixed(MeshView mesh, const SideOfNearest& side_of, std::optional<ClosestTriangle>& closest,
                             const Grid& grid, const NearestTriangles& nearest, ProgressMeter& progress);
-  void decide_rest(MeshView mesh, const Pseudonormals& normals, std::optional<ClosestTriangle>& closest,
+  void decide_rest(MeshView mesh, const SideOfNearest& side_of, std::optional<ClosestTriangle>& closest,
                    const Grid& grid, ProgressMeter& progress);
 
   TileBits without_side(const Grid& grid, std::size_t tile) const;

@@ -2,10 +2,10 @@
 // Blocking runs, emulated: they count the memory needed before they allocate it. So no work is done twice, no memory is
 // wasted, and nothing is copied to the host that no kernel wrote.
 #include "field/cuda/counted_run.cuh"
-#include "thesis/algorithm_1.cuh"
 
 #include <gtest/gtest.h>
 
+#include "backends/cuda/pipelines.cuh"
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vector propagation and jump flooding on a GPU. Seeds come from Algorithm 1, and the field is written as it does.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "approximate/flood.h"
+#include "approximate/jumpflood.h"
+#include "approximate/propagate.h"
+#include "field/cuda/counted_run.cuh"
+#include "thesis/algorithm_1.cuh"
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// Corners by index, without a check: only triangles that Algorithm 1 has found valid are handed on.
+struct DeviceCorners {
+  DeviceMesh mesh;
+  STANDOFF_HD void operator()(std::uint32_t triangle, Triple<double> (&corner)[3]) const {
+    for (int which = 0; which < 3; ++which) {
+      const double* const v = mesh.vertices + 3 * std::int64_t{mesh.triangles[3 * std::int64_t{triangle} + which]};
+      corner[which] = {v[0], v[1], v[2]};
+    }
+  }
+};
+using DeviceSpace = FloodSpace<DeviceCorners>;
+
+/// Measures the seeds anew, as all other distances of a flood, and forgets what is not within `thickness` of a
+/// triangle. Threads stride over the samples.
+STANDOFF_KERNEL void measure_seeds(DeviceSpace space, float thickness, Counter* found, Outcome* outcome) {
+  if (outcome->stopped) return;
+  const Lattice& l = space.lattice;
+  Counter measured = 0;
+  for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < l.size[0] * l.size[1] * l.size[2];
+       n += std::int64_t{blockDim.x} * gridDim.x) {
+    const bool is_seed = sqrt(distance_sq_of(found[n])) * l.unscale <= thickness;
+    found[n] = is_seed ? space.measured(n % l.size[0], n / l.size[0] % l.size[1], n / (l.size[0] * l.size[1]),
+                                        triangle_of(found[n]))
+                       : kNothingFound;
+    measured += is_seed;
+  }
+  atomicAdd(&outcome->samples_examined, measured);
+}
+
+/// The rows of a front, a thread for each.
+STANDOFF_KERNEL void sweep_front(DeviceSpace space, int sweep, std::int64_t front, Counter* found, Outcome* outcome) {
+  const std::int64_t step = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (outcome->stopped || step >= space.lattice.size[2]) return;
+  const SweptRow row = swept_row(space.lattice, sweep, front, step);
+  if (!row.in_grid) return;
+  atomicAdd(&outcome->samples_examined, static_cast<Counter>(sweep_row(space, sweep, row.y, row.z, found)));
+}
+
+/// A pass of jump flooding. Threads stride over the samples.
+STANDOFF_KERNEL void jump_all(DeviceSpace space, std::int64_t step, const Counter* before, Counter* after,
+                              Outcome* outcome) {
+  if (outcome->stopped) return;
+  const std::int64_t* const size = space.lattice.size;
+  std::int64_t measured = 0;
+  for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < size[0] * size[1] * size[2];
+       n += std::int64_t{blockDim.x} * gridDim.x)
+    after[n] = jump(space, step, n % size[0], n / size[0] % size[1], n / (size[0] * size[1]), before, measured);
+  atomicAdd(&outcome->samples_examined, static_cast<Counter>(measured));
+}
+
+/// The pipeline of a method that begins with Algorithm 1's seeds. `Spread` hands triangles on: Propagation or Jumps.
+template <class Spread>
+struct Flooded : Algorithm1 {
+  Spread spread;
+
+  Flooded(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
+      : Algorithm1(memory, triangles, l, entries), spread(memory, l) {}
+
+  void lower(const Lattice& l, const Task& task, Stream stream) {
+    Task seeds = task;
+    seeds.thickness = seed_thickness(task.grid);
+    clear_and_lower(make_lattice(task.grid, seeds.thickness), seeds, stream);
+    const DeviceSpace space{l, {task.mesh}};
+    launch(stream, "measure seeds", measure_seeds, kManyBlocks, kThreads, space, static_cast<float>(seeds.thickness),
+           nearest, task.outcome);
+    nearest = spread.run(space, nearest, task.outcome, stream);
+    mark(l, task, stream);
+  }
+  void enqueue(const Lattice& l, const Task& task, Stream stream) {
+    lower(l, task, stream);
+    write(l, task, stream);
+  }
+  void run(CountedRun& run) {
+    lower(run.lattice, run.task, nullptr);
+    finish(run);
+  }
+};
+
+struct Propagation {
+  Propagation(gpu::Workspace&, const Lattice&) {}
+
+  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream) const {
+    for (int sweep = 0; sweep < kPropagationSweeps; ++sweep)
+      for (std::int64_t front = 0; front < row_fronts(space.lattice); ++front)
+        launch(stream, "sweep front", sweep_front, blocks_for(space.lattice.size[2]), kThreads, space, sweep, front,
+               found, outcome);
+    return found;
+  }
+};
+
+template <int kMore>
+struct Jumps {
+  Counter* other;
+
+  Jumps(gpu::Workspace& memory, const Lattice& l) : other(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
+
+  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream) const {
+    Counter *before = found, *after = other;
+    for_each_jump(space.lattice, kMore, [&](std::int64_t step) {
+      launch(stream, "jump", jump_all, kManyBlocks, kThreads, space, step, before, after, outcome);
+      std::swap(before, after);
+    });
+    return before;
+  }
+};
+
+}  // namespace standoff::STANDOFF_PLATFORM
