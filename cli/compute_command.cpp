@@ -339,7 +339,7 @@ void ComputeCommand::add_to(CLI::App& verb) {
       "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
       "is",
       [this](S, S t) { confidence_name = t; }, "Sign");
-  add_device(verb, "Work", options.execution.backend, options.execution.device);
+  add_devices(verb, "Work", options.execution.backend, options.devices);
   add_threads(verb, "Work", options.execution.threads);
   add("--memory-limit", "SIZE",
       "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)",

@@ -21,15 +21,27 @@ constexpr std::size_t kHelpColumns = 60;
 
 }  // namespace
 
-CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device) {
+namespace {
+
+std::string device_help(bool several) {
   std::vector<std::string> names;
   for (const BackendInfo& info : kBackends) {
     names.push_back(std::string(info.name) + (info.backend == Backend{} ? " (default)" : ""));
-    if (info.has_devices) names.push_back(std::string(info.name) + ":N");
+    if (info.backend == Backend::cuda) names.push_back(std::string(info.name) + (several ? ":N[,N...]" : ":N"));
   }
-  return add_parsed(
-      verb, {"--device", "NAME", wrapped(joined(names) + "; see standoff devices", kHelpColumns).c_str(), group},
-      [&](S o, S t) { backend = parse_backend(o, t, device); });
+  return wrapped(joined(names) + "; see standoff devices", kHelpColumns);
+}
+
+}  // namespace
+
+CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device) {
+  return add_parsed(verb, {"--device", "NAME", device_help(false).c_str(), group},
+                    [&](S o, S t) { backend = parse_backend(o, t, device); });
+}
+
+CLI::Option* add_devices(CLI::App& verb, const char* group, Backend& backend, std::vector<int>& devices) {
+  return add_parsed(verb, {"--device", "NAME", device_help(true).c_str(), group},
+                    [&](S o, S t) { devices = parse_devices(o, t, backend); });
 }
 
 void add_uncompressed(CLI::App& verb, bool& uncompressed) {

@@ -43,6 +43,8 @@ CLI::Option* add_parsed(CLI::App& verb, const OptionText& text, Set set) {
 
 /// Adds --device.
 CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int& device);
+/// The same for several GPUs.
+CLI::Option* add_devices(CLI::App& verb, const char* group, Backend& backend, std::vector<int>& devices);
 /// Adds --uncompressed, for fields that are written.
 void add_uncompressed(CLI::App& verb, bool& uncompressed);
 /// Adds -j.

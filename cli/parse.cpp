@@ -221,15 +221,29 @@ WindingRule parse_winding_rule(const std::string& option, const std::string& tex
   return rules[parse_choice(option, text, {"positive", "nonzero", "odd"})];
 }
 
-Backend parse_backend(const std::string& option, const std::string& text, int& device) {
+std::vector<int> parse_devices(const std::string& option, const std::string& text, Backend& backend) {
   const auto colon = text.find(':');
   const BackendInfo& info = parse_row(option, text.substr(0, colon), kBackends);
-  if (colon == std::string::npos) return info.backend;
+  backend = info.backend;
+  std::vector<int> devices;
+  if (colon == std::string::npos) return devices;
   if (!info.has_devices) reject(option, text, "only a GPU takes a number, as in cuda:1");
-  const auto number = whole_text<int>(std::string_view(text).substr(colon + 1));
-  if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `standoff devices`");
-  device = *number;
-  return info.backend;
+  for (std::size_t from = colon + 1; from != 0;) {
+    const std::size_t comma = text.find(',', from);
+    const auto number = whole_text<int>(std::string_view(text).substr(from, comma - from));
+    if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `standoff devices`");
+    devices.push_back(*number);
+    from = comma == std::string::npos ? 0 : comma + 1;
+  }
+  return devices;
+}
+
+Backend parse_backend(const std::string& option, const std::string& text, int& device) {
+  Backend backend{};
+  const std::vector<int> devices = parse_devices(option, text, backend);
+  if (devices.size() > 1) reject(option, text, "give one GPU here; `standoff compute` takes several");
+  if (!devices.empty()) device = devices[0];
+  return backend;
 }
 
 double parse_unit(const std::string& option, const std::string& text) {

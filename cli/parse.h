@@ -61,7 +61,9 @@ struct SignChoice {
 /// A name of kSignMethods; shell:T, where T is world units or samples, as for parse_thickness.
 SignChoice parse_sign(const std::string& option, const std::string& text);
 WindingRule parse_winding_rule(const std::string& option, const std::string& text);
-/// auto, cpu, cuda, cuda:N or emulated; N goes to `device`.
+/// auto, cpu, cuda, cuda:N,N... or emulated; the numbers are the result, the name goes to `backend`.
+std::vector<int> parse_devices(const std::string& option, const std::string& text, Backend& backend);
+/// The same with one number at the most, which goes to `device`.
 Backend parse_backend(const std::string& option, const std::string& text, int& device);
 /// Metres per mm, cm, m, in, ft or km.
 double parse_unit(const std::string& option, const std::string& text);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "standoff/error.h"
 #include "standoff/execution.h"
@@ -81,13 +82,16 @@ struct ComputeOptions {
   /// that a mesh is not the field's. Costs one pass over the mesh. compute_into dense memory stores no provenance.
   bool hash_mesh = true;
   ProgressCallback progress = {};
+  /// Several GPUs that share the field, by the method `tiles` alone: they take windows of the grid in turn. They take
+  /// the place of Execution::device. The values do not depend on them.
+  std::vector<int> devices = {};
 };
 
 /// What a computation did.
 struct ComputeReport {
   std::string method;   ///< a name of kComputeMethods
   std::string backend;  ///< "cpu", "cuda" or "emulated"
-  std::string device;   ///< the instruction set or the GPU's name
+  std::string device;   ///< the instruction set, or the GPU's name; of several GPUs, ", " is between
   int threads = 0;
   std::int64_t triangles = 0;
   std::int64_t skipped = 0;           ///< triangles left out by the skip rule, or as copies of others

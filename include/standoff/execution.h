@@ -23,7 +23,7 @@ inline constexpr BackendInfo kBackends[] = {
     {Backend::automatic, "auto"},
     {Backend::cpu, "cpu"},
     {Backend::cuda, "cuda", true},
-    {Backend{1000}, "emulated"},  // testing::kEmulated
+    {Backend{1000}, "emulated", true},  // testing::kEmulated
 };
 
 /// The row of a backend; nullptr for numbers that are none.

@@ -28,7 +28,8 @@ ComputeOptions options_of(const nb::handle& sign, const std::string& method, boo
   ComputeOptions options;
   options.method = method_of(method);
   options.sign = sign_of(sign);
-  options.execution = execution_of(threads, device);
+  options.execution.threads = threads;
+  options.devices = devices_in(device, options.execution.backend);
   options.memory_limit = memory_limit;
   options.nearest = nearest;
   return options;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <span>
 
@@ -29,17 +30,35 @@ std::size_t choice_of(const char* what, const std::string& name, std::span<const
   throw Error(ErrorCode::usage, std::string(what) + ": there is no '" + name + "'; take " + all);
 }
 
+std::vector<int> devices_in(const std::string& device, Backend& backend) {
+  const std::size_t colon = std::min(device.find(':'), device.size());
+  const BackendInfo& info = row_of("device", device.substr(0, colon), kBackends);
+  backend = info.backend;
+  std::vector<int> devices;
+  if (colon == device.size()) return devices;
+  const auto fail = [&] {
+    throw Error(ErrorCode::usage, "device '" + device +
+                                      "': after 'cuda:' give the GPU's number, from 0, or several, as "
+                                      "'cuda:0,1'");
+  };
+  if (!info.has_devices) fail();
+  const char* const end = device.data() + device.size();
+  for (const char* at = device.data() + colon; at != end;) {
+    int number = -1;
+    const auto [stop, error] = std::from_chars(at + 1, end, number);
+    if (error != std::errc{} || number < 0 || (stop != end && *stop != ',')) fail();
+    devices.push_back(number);
+    at = stop;
+  }
+  return devices;
+}
+
 Execution execution_of(int threads, const std::string& device) {
   Execution execution{.threads = threads};
-  std::string name = device;
-  if (const std::string prefix = "cuda:"; name.starts_with(prefix)) {
-    const char* const end = name.data() + name.size();
-    const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, execution.device);
-    if (error != std::errc{} || stop != end || execution.device < 0)
-      throw Error(ErrorCode::usage, "device '" + device + "': after 'cuda:' give the GPU's number, from 0");
-    name = "cuda";
-  }
-  execution.backend = row_of("device", name, kBackends).backend;
+  const std::vector<int> devices = devices_in(device, execution.backend);
+  if (devices.size() > 1)
+    throw Error(ErrorCode::usage, "device '" + device + "': give one GPU here; so.field takes several");
+  if (!devices.empty()) execution.device = devices[0];
   return execution;
 }
 

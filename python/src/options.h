@@ -24,7 +24,9 @@ struct GridInput {
   }
 };
 
-/// `device` is "auto", "cpu", "cuda", "cuda:N" or "emulated". Errors: usage.
+/// `device` is "auto", "cpu", "cuda", "cuda:N,N..." or "emulated"; returns the numbers. Errors: usage.
+std::vector<int> devices_in(const std::string& device, Backend& backend);
+/// The same with one number at the most.
 Execution execution_of(int threads, const std::string& device);
 
 /// The values are those of Sign in standoff/_options.py. Errors: usage (a name that does not exist).

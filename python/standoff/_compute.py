@@ -60,7 +60,8 @@ def field(
             of others, which are not exact (docs/methods.md).
         out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it. For a
             mesh on a GPU one there; by default the library that the vertices came in makes it.
-        device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``.
+        device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``; ``"cuda:0,1"`` shares the field among
+            GPUs, by ``"tiles"`` alone.
         stream: for a mesh on a GPU, the CUDA stream that works on it: a stream of torch, cupy, numba or Warp, an object
             with ``__cuda_stream__``, or the handle as a number. By default torch's current stream, or the one that the
             vertices name. It is waited for.

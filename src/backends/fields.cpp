@@ -31,7 +31,9 @@ constexpr BackendRow on_cuda() {
           [](const Job& job, Sink& sink) { return cuda::run(kMethod, job, sink); },
           [](std::int64_t triangles, const Grid& grid, double thickness, int) {
             return cuda::scratch_bytes(kMethod, triangles, grid, thickness);
-          }};
+          },
+          nullptr,
+          kMethod == Method::tiles};
 }
 
 #ifdef STANDOFF_HAVE_EMULATION
@@ -44,7 +46,9 @@ constexpr BackendRow on_emulated() {
           [](const Job& job, Sink& sink) { return emulated::run(kMethod, job, sink); },
           [](std::int64_t triangles, const Grid& grid, double thickness, int) {
             return emulated::scratch_bytes(kMethod, triangles, grid, thickness);
-          }};
+          },
+          nullptr,
+          kMethod == Method::tiles};
 }
 #endif
 

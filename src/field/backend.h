@@ -74,7 +74,7 @@ struct Job {
   int threads;  ///< at least 1
   Simd simd;
   ProgressMeter& progress;
-  int device = 0;  ///< which GPU
+  std::span<const int> devices = {};  ///< the GPUs that share the work; none: the first one
 
   std::int64_t triangle_count() const {
     return static_cast<std::int64_t>(kept.empty() ? mesh.triangles.size() : kept.size());
@@ -123,6 +123,7 @@ struct BackendRow {
   /// The same job by layers, with the same scratch memory; nullptr if the method needs the whole grid at once. The job
   /// must outlive the result.
   std::unique_ptr<LayerGather> (*in_layers)(const Job&) = nullptr;
+  bool on_several_devices = false;  ///< Job::devices may name several
 };
 
 /// The row for a job of this size; Backend::automatic takes a GPU if there is one and the job is large enough for it.

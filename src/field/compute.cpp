@@ -55,7 +55,7 @@ Job Computation::job() {
           .threads = plan_.threads,
           .simd = options_.execution.simd,
           .progress = progress_,
-          .device = options_.execution.device};
+          .devices = plan_.devices};
 }
 
 std::unique_ptr<SampleSigns> Computation::signs(const NearestTriangles& nearest) {
@@ -73,7 +73,9 @@ void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint
   report_.method = find_info(plan_.row->method)->name;
   report_.backend = name_of(plan_.row->backend);
   report_.sign = sign_plan_.report;
-  report_.device = plan_.row->device(options_.execution.simd, options_.execution.device);
+  report_.device.clear();
+  for (const int device : plan_.devices)
+    report_.device += (report_.device.empty() ? "" : ", ") + plan_.row->device(options_.execution.simd, device);
   report_.threads = plan_.threads;
   report_.samples = plan_.grid.sample_count();
   report_.tiles = tile_count(plan_.grid.size);

@@ -29,6 +29,7 @@ inline constexpr int kBrickSide = 2 * kTileSide;
 struct Lattice {
   double scale;
   double origin[3];   ///< of the grid, world units
+  double first[3];    ///< a window of a larger grid: which of its samples is sample 0 here, a multiple of kBrickSide
   double spacing[3];  ///< world units
   double unit[3];     ///< spacing, grid units
   std::int64_t size[3];
@@ -52,16 +53,18 @@ inline float brick_coordinate(const Lattice& l, int n, int axis) {
   return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
 }
 
-/// Requires a valid grid and a positive thickness.
-inline Lattice make_lattice(const Grid& grid, double thickness) {
+/// Requires a valid grid and a positive thickness. A window has the origin of the whole grid, the size of the window,
+/// and the window's first sample; its samples get the bits that they get in the whole.
+inline Lattice make_lattice(const Grid& grid, double thickness, const Size3& first = {}) {
   Lattice l{};
   l.scale = std::ldexp(1.0, -std::ilogb(grid.max_spacing()));
   const Vec3 unit = grid.spacing * l.scale;
   const double units[3] = {unit.x, unit.y, unit.z}, origin[3] = {grid.origin.x, grid.origin.y, grid.origin.z},
                spacing[3] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
-  const std::int64_t size[3] = {grid.size.x, grid.size.y, grid.size.z};
+  const std::int64_t size[3] = {grid.size.x, grid.size.y, grid.size.z}, firsts[3] = {first.x, first.y, first.z};
   for (int axis = 0; axis < 3; ++axis) {
     l.origin[axis] = origin[axis];
+    l.first[axis] = static_cast<double>(firsts[axis]);
     l.spacing[axis] = spacing[axis];
     l.unit[axis] = units[axis];
     l.size[axis] = size[axis];
@@ -80,8 +83,9 @@ inline Lattice make_lattice(const Grid& grid, double thickness) {
 
 /// The position of sample (x, y, z); fractions are allowed. Grid units.
 STANDOFF_INLINE Triple<double> position(const Lattice& l, double x, double y, double z) {
-  return {(l.origin[0] + l.spacing[0] * x) * l.scale, (l.origin[1] + l.spacing[1] * y) * l.scale,
-          (l.origin[2] + l.spacing[2] * z) * l.scale};
+  return {(l.origin[0] + l.spacing[0] * (l.first[0] + x)) * l.scale,
+          (l.origin[1] + l.spacing[1] * (l.first[1] + y)) * l.scale,
+          (l.origin[2] + l.spacing[2] * (l.first[2] + z)) * l.scale};
 }
 
 /// The middle of the samples of cell (x, y, z), where cells have kSide samples per axis. Grid units.
@@ -138,8 +142,8 @@ STANDOFF_INLINE CellRange reached_cells(const Lattice& l, const BoxOf<double>& b
   CellRange range;
   for (int axis = 0; axis < 3; ++axis) {
     const double past = static_cast<double>(l.size[axis]);
-    const double from = (lows[axis] - l.origin[axis]) * l.to_samples[axis] - l.reach[axis];
-    const double to = (highs[axis] - l.origin[axis]) * l.to_samples[axis] + l.reach[axis];
+    const double from = (lows[axis] - l.origin[axis]) * l.to_samples[axis] - l.first[axis] - l.reach[axis];
+    const double to = (highs[axis] - l.origin[axis]) * l.to_samples[axis] - l.first[axis] + l.reach[axis];
     // Find the first sample at or above `from` and the last at or below `to`, by truncating numbers that are not
     // negative.
     const auto first = static_cast<std::int64_t>(min(max(from + (1 - kBoxSlack), 0.0), past));

@@ -33,6 +33,12 @@ void validate(double thickness, const ComputeOptions& options) {
   const auto one_of = [](auto value, auto last) { return value >= decltype(value){} && value <= last; };
   if (!find_info(options.method) || !one_of(options.skip.kind, SkipRule::Kind::exact))
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
+  if (!options.devices.empty() && !find_info(options.execution.backend)->has_devices)
+    fail("devices are GPUs by their numbers; take Backend::cuda with them, or name none");
+  for (auto at = options.devices.begin(); at != options.devices.end(); ++at)
+    if (*at < 0 || std::find(options.devices.begin(), at, *at) != at)
+      throw Error(ErrorCode::usage, "compute: there is no device " + std::to_string(*at) + " or it is named twice; " +
+                                        "devices are counted from 0");
   if (std::isinf(thickness) && !find_info(options.method)->full_fields)
     throw Error(ErrorCode::usage, std::string("compute: the method ") + find_info(options.method)->name +
                                       " has no full fields; give a finite thickness, or take the method tiles");
@@ -69,6 +75,14 @@ double reach(const Grid& grid, double thickness, const SignOptions& sign) {
   return Shell::reach(sign.shell, thickness);
 }
 
+std::vector<int> devices_of(const ComputeOptions& options, const BackendRow& row) {
+  if (options.devices.empty()) return {options.execution.device};
+  if (options.devices.size() > 1 && !row.on_several_devices)
+    throw Error(ErrorCode::usage, std::string("compute: the method ") + find_info(row.method)->name + " takes one " +
+                                      name_of(row.backend) + " device; name one, or take the method tiles on GPUs");
+  return options.devices;
+}
+
 }  // namespace
 
 bool is_decided_in_slabs(SignMethod method) { return steps_of(method).in_slabs; }
@@ -89,14 +103,16 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           options.sign.method != SignMethod::none,
           is_dense,
           slab_samples,
-          in_slabs ? layers_of_slab(grid, slab_samples) : 0};
+          in_slabs ? layers_of_slab(grid, slab_samples) : 0,
+          devices_of(options, row)};
 }
 
 namespace {
 
 // Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
-  return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads);
+  return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads) *
+         static_cast<std::int64_t>(plan.devices.size());
 }
 
 // Bytes that deciding the sign takes beside the output and the crossings.

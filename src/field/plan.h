@@ -2,6 +2,8 @@
 // The plan of a computation: backend, method and slabs, and the memory that it may need, decided before any distance.
 #pragma once
 
+#include <vector>
+
 #include "field/backend.h"
 #include "standoff/compute.h"
 
@@ -28,6 +30,7 @@ struct Plan {
   bool is_dense;              ///< into the caller's memory, not into tiles
   std::int64_t slab_samples;  ///< asked for; 0: no slabs
   std::int64_t slab_layers;   ///< layers of bricks of a slab; 0: the whole grid at once
+  std::vector<int> devices;   ///< at least one
 };
 
 /// Requires a valid grid, thickness and options. `slab_samples`: the approximate size of a slab; it has no effect if

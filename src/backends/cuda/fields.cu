@@ -3,6 +3,15 @@
 // of backends. nvcc compiles this file for CUDA; fields_emulated.cpp compiles it for the emulation.
 #include "backends/cuda/fields.h"
 
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "backends/cuda/pipelines.cuh"
 #include "core/guarded.h"
 #include "field/cuda/counted_run.cuh"
@@ -48,10 +57,90 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
   throw_as_error("cuda");
 }
 
+namespace {
+
+// Windows of whole layers of bricks, which devices take in turn. One device gets one window: the grid.
+class Windows {
+ public:
+  Windows(const Grid& grid, std::size_t devices) : grid_(grid) {
+    const std::int64_t layers = (grid.size.z + kBrickSide - 1) / kBrickSide;
+    // Two for each device, as one may take longer than another. The number is a choice: it was not measured.
+    count_ = devices == 1 ? 1 : std::min<std::int64_t>(layers, 2 * static_cast<std::int64_t>(devices));
+    layers_ = (layers + count_ - 1) / count_;
+  }
+
+  /// The largest one.
+  Grid at(std::int64_t n = 0) const {
+    Grid window = grid_;
+    window.size.z = std::min(kBrickSide * layers_, grid_.size.z - first(n).z);
+    return window;
+  }
+  Size3 first(std::int64_t n) const { return {0, 0, kBrickSide * layers_ * n}; }
+  /// The number of the next one; nothing if there is none, or the work has failed.
+  std::optional<std::int64_t> next() {
+    const std::int64_t n = next_++;
+    return first(n).z < grid_.size.z ? std::optional(n) : std::nullopt;
+  }
+  void stop() { next_ = count_; }
+  std::int64_t copies() const {
+    std::int64_t sum = 0;
+    for (std::int64_t n = 0; first(n).z < grid_.size.z; ++n) sum += copies_of(at(n));
+    return sum;
+  }
+
+ private:
+  Grid grid_;
+  std::int64_t count_, layers_;
+  std::atomic<std::int64_t> next_{0};
+};
+
+template <class Pipeline>
+Counts run_on(int device, const Job& job, Windows& windows, Sink& sink) {
+  const DeviceScope scope(device);
+  const HostRun<Pipeline> run(job, windows.at());
+  Counts sum;
+  while (const auto n = windows.next()) {
+    const Counts counts = run.run(windows.at(*n), windows.first(*n), sink);
+    sum.samples_examined += counts.samples_examined;
+    sum.samples_band += counts.samples_band;
+  }
+  return sum;
+}
+
+// A thread of the host for each device. The first error ends the work of all.
+template <class Pipeline>
+Counts run_on_all(const Job& job, Windows& windows, Sink& sink) {
+  std::mutex finishing;
+  std::exception_ptr error;
+  Counts sum;
+  std::vector<std::jthread> threads;
+  for (const int device : job.devices)
+    threads.emplace_back([&, device] {
+      try {
+        const Counts counts = run_on<Pipeline>(device, job, windows, sink);
+        const std::lock_guard lock(finishing);
+        sum.samples_examined += counts.samples_examined;
+        sum.samples_band += counts.samples_band;
+      } catch (...) {
+        windows.stop();
+        const std::lock_guard lock(finishing);
+        if (!error) error = std::current_exception();
+      }
+    });
+  threads.clear();  // waits
+  if (error) std::rethrow_exception(error);
+  return sum;
+}
+
+}  // namespace
+
 Counts run(Method method, const Job& job, Sink& sink) try {
-  const DeviceScope scope(job.device);
-  const Counts counts = with_pipeline(method, job.grid, job.thickness,
-                                      [&]<class Pipeline>() { return run_from_host<Pipeline>(job, sink); });
+  Windows windows(job.grid, std::max<std::size_t>(1, job.devices.size()));
+  job.progress.stage("gather", kUnitsPerCopy * windows.copies(), 0.2, 1);
+  const Counts counts = with_pipeline(method, job.grid, job.thickness, [&]<class Pipeline>() {
+    if (job.devices.size() > 1) return run_on_all<Pipeline>(job, windows, sink);
+    return run_on<Pipeline>(job.devices.empty() ? 0 : job.devices[0], job, windows, sink);
+  });
   check_seeds(job.thickness, counts.samples_band);
   return counts;
 } catch (const gpu::OutOfMemory& error) {

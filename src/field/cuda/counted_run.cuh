@@ -47,10 +47,11 @@ std::int64_t counting_bytes(std::int64_t triangles, const Lattice& l) {
 /// that memory, and launches the work that needs it.
 class CountedRun {
  public:
-  /// Requires a valid mesh in device memory. `waited` is called each time after the counts were read.
+  /// Requires a valid mesh in device memory. `grid` and `first` as for make_lattice(). `waited` is called each time
+  /// after the counts were read.
   CountedRun(const DeviceMesh& mesh, const Grid& grid, double thickness, bool with_nearest,
-             std::function<void()> waited)
-      : lattice(make_lattice(grid, thickness)),
+             std::function<void()> waited, const Size3& first = {})
+      : lattice(make_lattice(grid, thickness, first)),
         with_nearest_(with_nearest),
         waited_(std::move(waited)),
         outcome_memory_(sizeof(Outcome)) {
@@ -228,7 +229,10 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
     }
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    const TileTarget target = sink.open(tile[0], tile[1], tile[2]);
+    std::int64_t in_grid[3];
+    for (int axis = 0; axis < 3; ++axis)
+      in_grid[axis] = tile[axis] + static_cast<std::int64_t>(l.first[axis]) / kTileSide;
+    const TileTarget target = sink.open(in_grid[0], in_grid[1], in_grid[2]);
     for (std::int64_t z = 0; z < target.size.z; ++z)
       for (std::int64_t y = 0; y < target.size.y; ++y) {
         const std::int64_t from = (slot - here) * kTileSamples + 64 * z + 8 * y;
@@ -239,19 +243,39 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
   }
 }
 
-/// Runs a job from host memory on the current device, and waits for it.
-template <class Pipeline>
-Counts run_from_host(const Job& job, Sink& sink) {
-  job.progress.stage("gather", 1, 0.2, 0.9);
-  const Lattice l = make_lattice(job.grid, job.thickness);
-  require_free_memory(MeshOnDevice::bytes_of(job) + counting_bytes<Pipeline>(job.triangle_count(), l));
-  const MeshOnDevice mesh(job);
-  CountedRun field(mesh.mesh(), job.grid, job.thickness, sink.with_nearest(), [&] { job.progress.advance(0); });
-  field.run<Pipeline>();
-  job.progress.stage("copy", std::max<std::int64_t>(1, l.tile_count() / kTilesAtOnce), 0.9, 1);
-  hand_over(field.output(), l, sink, job.progress);
-  return {static_cast<std::int64_t>(field.outcome().samples_examined),
-          static_cast<std::int64_t>(field.outcome().samples_band)};
+/// Units of progress of a window: so many for its copies, and seven times as many for computing it.
+inline std::int64_t copies_of(const Grid& grid) {
+  return std::max<std::int64_t>(1, tile_count(grid.size) / kTilesAtOnce);
 }
+inline constexpr std::int64_t kUnitsPerCopy = 8;
+
+/// A job from host memory on the current device. The mesh stays there for several windows of the job's grid.
+template <class Pipeline>
+class HostRun {
+ public:
+  /// Copies the mesh, if there is room for it and for a window of this size.
+  HostRun(const Job& job, const Grid& window) : job_(job), mesh_(with_room(job, window)) {}
+
+  /// `window` and `first` as for make_lattice(). Waits for the device.
+  Counts run(const Grid& window, const Size3& first, Sink& sink) const {
+    CountedRun field(
+        mesh_.mesh(), window, job_.thickness, sink.with_nearest(), [&] { job_.progress.check(); }, first);
+    field.run<Pipeline>();
+    job_.progress.advance((kUnitsPerCopy - 1) * copies_of(window));
+    hand_over(field.output(), field.lattice, sink, job_.progress);
+    return {static_cast<std::int64_t>(field.outcome().samples_examined),
+            static_cast<std::int64_t>(field.outcome().samples_band)};
+  }
+
+ private:
+  static const Job& with_room(const Job& job, const Grid& window) {
+    const Lattice l = make_lattice(window, job.thickness);
+    require_free_memory(MeshOnDevice::bytes_of(job) + counting_bytes<Pipeline>(job.triangle_count(), l));
+    return job;
+  }
+
+  const Job& job_;
+  MeshOnDevice mesh_;
+};
 
 }  // namespace standoff::STANDOFF_PLATFORM
