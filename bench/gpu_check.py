@@ -3,6 +3,7 @@
 what it does and how it is called."""
 
 import argparse
+import datetime
 import hashlib
 import sys
 import time
@@ -88,7 +89,8 @@ def machine_of(nvcc):
     if not nvcc:
         return "the emulated GPU: these times mean nothing\n"
     return (text_of("nvidia-smi", "--query-gpu=name,driver_version,memory.total,clocks.max.sm", "--format=csv") +
-            "".join(line + "\n" for line in text_of(nvcc, "--version").splitlines()[-2:]) + f"standoff: {commit() or 'unknown'}\n")
+            "".join(line + "\n" for line in text_of(nvcc, "--version").splitlines()[-2:]) +
+            f"date: {datetime.date.today().isoformat()}\nstandoff: {commit() or 'unknown'}\n")
 
 
 def main(arguments):

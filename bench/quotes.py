@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the documentation says of measured collision queries and of fields on a GPU, written from the CSV files of one
-machine each: a page of its own and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
+"""What the documentation says of measured collision queries, of fields on a GPU and of the thesis's tables, written from the
+CSV files of one machine each: pages of their own and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
 
 import csv
 import json
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import gpu_tables
 import output_quotes
+import thesis_tables
 from gpu_jobs import rows_of
 from harness import BENCH, markdown
 
@@ -117,6 +118,7 @@ def pages(results=BENCH / "results" / QUOTED):
     path = ROOT / "docs" / "collision_benchmarks.md"
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
     made |= output_quotes.pages(read, between_markers, measured)
+    made[ROOT / "docs" / "thesis_tables.md"] = thesis_tables.page(results, BENCH / "results" / GPU_QUOTED)
     return made | gpu_page(BENCH / "results" / GPU_QUOTED)
 
 

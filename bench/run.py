@@ -15,7 +15,7 @@
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
-  run.py quote           the documentation's tables of collision queries, written again from the CSV file
+  run.py quote           the documentation's tables of CSV files, written again
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
   run.py view            pages in a browser: size, first picture, frames a second, live fields, flights
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
@@ -103,6 +103,8 @@ def main():
         scaling.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
     else:
         thesis_tables.run(drivers, arguments.only, arguments.build)
+        if not arguments.only:
+            quotes.write()
 
 
 if __name__ == "__main__":
