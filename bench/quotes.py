@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the documentation says of measured collision queries, of fields on a GPU and of the thesis's tables, written from the
-CSV files of one machine each: pages of their own and the parts of others between markers. tests/bench/collision_tables_test.py compares them."""
+"""What the documentation says of measured collision queries, of fields on a GPU, of skip rules and of the thesis's tables,
+written from the CSV files of one machine each: pages of their own and the parts of others between markers.
+tests/bench/collision_tables_test.py compares them."""
 
 import csv
 import json
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import gpu_tables
 import output_quotes
+import skip_rules
 import thesis_tables
 from gpu_jobs import rows_of
 from harness import BENCH, markdown
@@ -119,6 +121,9 @@ def pages(results=BENCH / "results" / QUOTED):
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
     made |= output_quotes.pages(read, between_markers, measured)
     made[ROOT / "docs" / "thesis_tables.md"] = thesis_tables.page(results, BENCH / "results" / GPU_QUOTED)
+    comments, rows = read(results / "skip.csv")
+    path = ROOT / "docs" / "skip.md"
+    made[path] = between_markers(path.read_text(), "skip rules", f"{markdown(skip_rules.table(rows))}\n\n{measured(comments[1:])}")
     return made | gpu_page(BENCH / "results" / GPU_QUOTED)
 
 

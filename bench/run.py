@@ -6,6 +6,7 @@
   run.py --peers         the same, alternating with OpenVDB and Embree
   run.py scaling         time against triangles and samples, with plots
   run.py thesis          the tables of the 2008 thesis, rebuilt
+  run.py skip            skip rules before the thesis's Algorithm 1, with the one that it wished for
   run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
   run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
   run.py sign            what a sign adds; with --peers beside OpenVDB's level sets and libigl (STANDOFF_PEER_PYTHON)
@@ -34,6 +35,7 @@ import quotes
 import scaling
 import sidecar_costs
 import sign
+import skip_rules
 import thesis_tables
 from harness import BENCH, Drivers
 
@@ -41,7 +43,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -91,6 +93,11 @@ def main():
             measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
         more = {"count": arguments.count} if arguments.what == "points" else {}
         return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
+    if arguments.what == "skip":
+        if not drivers.has("skip"):
+            parser.error(f"no drivers in {drivers.folder}; build them with script/bench skip")
+        skip_rules.run(drivers, arguments.only, arguments.build, arguments.note)
+        return None if arguments.only else quotes.write()
     if not drivers.has("standoff"):
         parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
     if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):

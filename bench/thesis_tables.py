@@ -75,7 +75,7 @@ def arguments(mesh, row):
     numbers = lambda values: ",".join(str(v) for v in values)
     place = ["--scale", str(row["scale"])] if "scale" in row else ["--margin", str(MARGIN)]
     return ["--scene", mesh["scene"], "--size", numbers(row["grid"]), "--extent", numbers(row["extent"]), *place,
-            "--thickness", f"{thesis_thickness(row['grid'], row['extent']):.6g}", "--output", "dense"]
+            "--thickness", f"{thesis_thickness(row['grid'], row['extent']):.6g}"]
 
 
 def by_axis(numbers):
@@ -88,7 +88,7 @@ def percent(share):
 
 def measure(drivers, table, mesh, row):
     """One row: the thesis's figures and ours."""
-    args = arguments(mesh, row)
+    args = [*arguments(mesh, row), "--output", "dense"]
     thesis = drivers.run("standoff", args, 2 if row["examined"] > LONG_WORK else 4, method="thesis", check=True)
     tiles = drivers.run("standoff", args, 4, method="tiles")
     check = thesis["check"]
