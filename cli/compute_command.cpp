@@ -37,7 +37,7 @@ std::string methods_text() {
   for (const MethodInfo& info : kComputeMethods)
     text += (text.empty() ? "" : "; ") + std::string(info.name) +
             (info.method == ComputeOptions{}.method ? " (default)" : "") + ": " + info.what;
-  return text;
+  return wrapped(text, kHelpColumns);
 }
 
 class Beside {

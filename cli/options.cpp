@@ -17,12 +17,6 @@ namespace standoff::cli {
 
 namespace {
 
-constexpr std::size_t kHelpColumns = 60;
-
-}  // namespace
-
-namespace {
-
 std::string device_help(bool several) {
   std::vector<std::string> names;
   for (const BackendInfo& info : kBackends) {

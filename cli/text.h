@@ -42,6 +42,8 @@ std::string hash_text(std::uint64_t hash);
 std::string joined(const std::vector<std::string>& names);
 /// The text with line ends in place of blanks, so that no line is longer than `columns`, as far as its words allow.
 std::string wrapped(std::string text, std::size_t columns);
+/// Columns of the texts of options.
+inline constexpr std::size_t kHelpColumns = 60;
 
 /// Line ends become blanks and other control bytes '?': whatever a file is called or holds, a message stays one line,
 /// whole, and moves no cursor.

@@ -9,14 +9,15 @@ namespace standoff {
 
 /// How the sign of a field is decided. No method but `shell` changes the magnitude of a value; SignOptions::outer may.
 enum class SignMethod {
-  none,     ///< no sign: all values are positive
-  winding,  ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number
-  parity,   ///< by the parity of crossings; the mesh must be closed, its orientation does not matter
-  normal,   ///< by the angle-weighted normal of the nearest face, edge or vertex: for terrain and sheets with a front
-  facet,    ///< by the plane of the nearest triangle: for comparison (docs/methods.md), wrong beside edges and vertices
-  flood,    ///< outside is what can be reached from the grid's border between samples that no triangle separates
-  shell,    ///< the mesh as a solid of thickness SignOptions::shell: distance - shell / 2
+  none,       ///< no sign: all values are positive
+  winding,    ///< by the winding number: an exact integer if the mesh is closed, else the generalised winding number
+  parity,     ///< by the parity of crossings; the mesh must be closed, its orientation does not matter
+  normal,     ///< by the angle-weighted normal of the nearest face, edge or vertex: for terrain and sheets with a front
+  flood,      ///< outside is what can be reached from the grid's border between samples that no triangle separates
+  shell,      ///< the mesh as a solid of thickness SignOptions::shell: distance - shell / 2
   automatic,  ///< by the diagnosis of the mesh; ComputeReport says which method and why
+  // Files of queries hold the numbers of those before.
+  facet,  ///< by the plane of the nearest triangle: for comparison (docs/methods.md), wrong beside edges and vertices
 };
 
 /// What is said of a method, and where it may be used.

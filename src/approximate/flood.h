@@ -64,9 +64,12 @@ struct FloodSpace {
     Triple<double> corner[3];
     corners(triangle, corner);
     const Triple<double> at = position(lattice, static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
-    const auto part =
-        closest_part(local(lattice, corner[0], at), local(lattice, corner[1], at), local(lattice, corner[2], at));
+    const auto part = closest_part(relative(corner[0], at), relative(corner[1], at), relative(corner[2], at));
     return found_of(static_cast<float>(part.distance_sq), triangle);
+  }
+  /// As local() of the lattice, whose fused multiplication is a call on the oldest processors. The product is exact.
+  STANDOFF_HD Triple<double> relative(const Triple<double>& corner, const Triple<double>& at) const {
+    return corner * lattice.scale - at;
   }
 };
 
@@ -77,12 +80,15 @@ struct FloodSample {
   std::int64_t x, y, z;
   Found best;
   std::int64_t measured = 0;
-  std::uint32_t last = kNoTriangle;  ///< the triangle that was measured last: neighbours often have the same
+  /// The triangles that were measured last: many neighbours have the same.
+  std::uint32_t last[4] = {kNoTriangle, kNoTriangle, kNoTriangle, kNoTriangle};
 
   STANDOFF_HD void take(Found offered) {
     const std::uint32_t triangle = triangle_of(offered);
-    if (triangle == kNoTriangle || triangle == triangle_of(best) || triangle == last) return;
-    last = triangle;
+    if (triangle == kNoTriangle || triangle == triangle_of(best) || triangle == last[0] || triangle == last[1] ||
+        triangle == last[2] || triangle == last[3])
+      return;
+    last[3] = last[2], last[2] = last[1], last[1] = last[0], last[0] = triangle;
     ++measured;
     const Found mine = space.measured(x, y, z, triangle);
     best = mine < best ? mine : best;

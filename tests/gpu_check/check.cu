@@ -195,7 +195,7 @@ int run_blocking() {
   const Mesh mesh = testing::random_soup(80, 200, 5, 1);
   const Grid grid{{37, 30, 21}, {-6, -5, -4}, {0.35, 0.35, 0.4}};
   int faults = 0;
-  for (const Method method : {Method::tiles, Method::thesis})
+  for (const Method method : {Method::tiles, Method::thesis, Method::propagate, Method::jumpflood, Method::jumpflood_1})
     for (const double thickness : {0.7, 2.9}) {
       FieldOnDevice expected(mesh, grid, thickness, method, Layout::dense, true);
       const cuda::Outcome outcome = expected.run();
@@ -205,7 +205,7 @@ int run_blocking() {
       ProgressMeter progress(options.progress);
       const Job job{mesh, {}, grid, thickness, 1, Simd::automatic, progress};
       Sink sink(grid, values, nearest);
-      const Counts counts = method == Method::thesis ? run_thesis(job, sink) : run_tiles(job, sink);
+      const Counts counts = STANDOFF_PLATFORM::run(method, job, sink);
       faults += judge(different(values, expected.values()) == 0 && different(nearest, expected.nearest()) == 0 &&
                           counts.samples_band == static_cast<std::int64_t>(outcome.samples_band),
                       "from host memory to host memory");
