@@ -13,7 +13,7 @@
 
 #include <cstdint>
 
-#include "approximate/flood.h"
+#include "approximate/spread.h"
 
 namespace standoff {
 
@@ -35,10 +35,10 @@ void for_each_jump(const Lattice& l, int more, const Pass& pass) {
 /// A sample after a pass, from `found` before it, which has one number per sample of the grid. Adds the distances that
 /// were measured to `measured`.
 template <class Corners>
-STANDOFF_HD Found jump(const FloodSpace<Corners>& space, std::int64_t step, std::int64_t x, std::int64_t y,
+STANDOFF_HD Found jump(const SpreadSpace<Corners>& space, std::int64_t step, std::int64_t x, std::int64_t y,
                        std::int64_t z, const Found* found, std::int64_t& measured) {
   const std::int64_t* const size = space.lattice.size;
-  FloodSample<Corners> sample{space, x, y, z, found[x + size[0] * (y + size[1] * z)]};
+  SpreadSample<Corners> sample{space, x, y, z, found[x + size[0] * (y + size[1] * z)]};
   for (std::int64_t k = z - step; k <= z + step; k += step) {
     if (k < 0 || k >= size[2]) continue;
     for (std::int64_t j = y - step; j <= y + step; j += step) {

@@ -16,7 +16,7 @@
 
 #include <cstdint>
 
-#include "approximate/flood.h"
+#include "approximate/spread.h"
 
 namespace standoff {
 
@@ -43,7 +43,7 @@ STANDOFF_HD inline SweptRow swept_row(const Lattice& l, int sweep, std::int64_t 
 /// Visits the samples of a row in the order of a sweep. `found` has one number per sample of the grid. Returns how many
 /// distances were measured.
 template <class Corners>
-STANDOFF_HD std::int64_t sweep_row(const FloodSpace<Corners>& space, int sweep, std::int64_t y, std::int64_t z,
+STANDOFF_HD std::int64_t sweep_row(const SpreadSpace<Corners>& space, int sweep, std::int64_t y, std::int64_t z,
                                    Found* found) {
   const std::int64_t* const size = space.lattice.size;
   const int along = sweep_direction(sweep, 0);
@@ -57,7 +57,7 @@ STANDOFF_HD std::int64_t sweep_row(const FloodSpace<Corners>& space, int sweep, 
   std::int64_t measured = 0;
   for (std::int64_t n = 0; n < size[0]; ++n) {
     const std::int64_t x = along > 0 ? n : size[0] - 1 - n;
-    FloodSample<Corners> sample{space, x, y, z, row[x]};
+    SpreadSample<Corners> sample{space, x, y, z, row[x]};
     if (n > 0) sample.take(row[x - along]);
     for (const Found* const other : behind) {
       if (!other) continue;

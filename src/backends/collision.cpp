@@ -25,12 +25,7 @@ constexpr std::size_t kSmallBatch = 10'000;
 }  // namespace
 
 const DeviceRow* find_device(Backend backend, std::size_t count) {
-  const bool automatic = backend == Backend::automatic;
-  if (automatic && count < kSmallBatch) return nullptr;
-  for (const DeviceRow& row : kCollisionRows)
-    if (row.backend == (automatic ? kAutomaticGpu : backend) && row.available()) return &row;
-  throw_if_missing(backend, "batch");
-  return nullptr;
+  return find_device_row(kCollisionRows, backend, count < kSmallBatch, "batch");
 }
 
 }  // namespace standoff::collision

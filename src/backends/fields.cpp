@@ -68,9 +68,9 @@ constexpr std::array kFieldRows{
                cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_layers},
     plain_on_cpu(Method::thesis, cpu::run_thesis, cpu::thesis_scratch_bytes),
     plain_on_cpu(Method::fuhrmann, cpu::run_fuhrmann, cpu::thesis_scratch_bytes),
-    plain_on_cpu(Method::propagate, cpu::run_propagate, cpu::flood_scratch_bytes),
-    plain_on_cpu(Method::jumpflood, cpu::run_jumpflood, cpu::flood_scratch_bytes),
-    plain_on_cpu(Method::jumpflood_1, cpu::run_jumpflood_1, cpu::flood_scratch_bytes),
+    plain_on_cpu(Method::propagate, cpu::run_propagate, cpu::spread_scratch_bytes),
+    plain_on_cpu(Method::jumpflood, cpu::run_jumpflood, cpu::spread_scratch_bytes),
+    plain_on_cpu(Method::jumpflood_1, cpu::run_jumpflood_1, cpu::spread_scratch_bytes),
 #ifdef STANDOFF_HAVE_EMULATION
     on_emulated<Method::tiles>(),
     on_emulated<Method::thesis>(),
@@ -139,12 +139,7 @@ constexpr std::size_t kLeastForDevice = 100'000;
 }  // namespace
 
 const PointDevice* find_point_device(Backend backend, std::size_t points) {
-  const bool automatic = backend == Backend::automatic;
-  if (automatic && points < kLeastForDevice) return nullptr;
-  for (const PointDevice& row : kPointRows)
-    if (row.backend == (automatic ? kAutomaticGpu : backend) && row.available()) return &row;
-  throw_if_missing(backend, "points");
-  return nullptr;
+  return find_device_row(kPointRows, backend, points < kLeastForDevice, "points");
 }
 
 }  // namespace standoff

@@ -23,4 +23,16 @@ inline void throw_if_missing(Backend backend, const char* where) {
                                        "with the component 'emulation' (STANDOFF_COMPONENTS)");
 }
 
+/// The row of a table of devices that the backend names; nullptr where the CPU does the work. `is_small`: automatic
+/// leaves it to the CPU. Throws Error{device} where the named one is missing.
+template <class Rows>
+auto find_device_row(const Rows& rows, Backend backend, bool is_small, const char* where) -> decltype(rows.data()) {
+  const bool automatic = backend == Backend::automatic;
+  if (automatic && is_small) return nullptr;
+  for (const auto& row : rows)
+    if (row.backend == (automatic ? kAutomaticGpu : backend) && row.available()) return &row;
+  throw_if_missing(backend, where);
+  return nullptr;
+}
+
 }  // namespace standoff

@@ -25,7 +25,7 @@ using testing::add_triangle;
 using testing::for_each_sample;
 using testing::kInfinity;
 
-constexpr Method kFloods[] = {Method::propagate, Method::jumpflood, Method::jumpflood_1};
+constexpr Method kSpreading[] = {Method::propagate, Method::jumpflood, Method::jumpflood_1};
 
 ComputeResult by(Method method, MeshView mesh, const Grid& grid, double thickness, Backend backend = Backend::cpu,
                  int threads = 2) {
@@ -73,11 +73,11 @@ Errors expect_within_bounds(Method method, MeshView mesh, const Grid& grid, doub
   return errors;
 }
 
-TEST(Floods, StayWithinTheirBoundsOnAnyMesh) {
+TEST(Spreading, StayWithinTheirBoundsOnAnyMesh) {
   const Grid cubic{{25, 19, 22}, {-6, -5, -5.5}, {0.5, 0.5, 0.5}}, unequal{{17, 24, 13}, {-6, -5, -5}, {0.7, 0.4, 0.8}};
   const Mesh meshes[] = {testing::random_soup(1, 40, 4, 1.5), testing::nasty_soup(2, 80, 5),
                          testing::random_soup(3, 6, 4, 8)};
-  for (const Method method : kFloods)
+  for (const Method method : kSpreading)
     for (const Mesh& mesh : meshes)
       for (const Grid& grid : {cubic, unequal})
         for (const double thickness : {0.3, 2.0, kInfinity}) {
@@ -94,19 +94,19 @@ struct FineSphere {
   Grid grid = fit_resolution(bounds(mesh), 16, {.least_samples = 1});
 };
 
-TEST(Floods, AreWrongSomewhere) {
+TEST(Spreading, AreWrongSomewhere) {
   const auto [mesh, grid] = FineSphere();
   std::int64_t wrong[3];
   for (int n = 0; n < 3; ++n) {
-    const Errors errors = expect_within_bounds(kFloods[n], mesh, grid, kInfinity);
+    const Errors errors = expect_within_bounds(kSpreading[n], mesh, grid, kInfinity);
     wrong[n] = errors.too_large;
-    EXPECT_GT(wrong[n], 0) << find_info(kFloods[n])->name;
-    EXPECT_LT(errors.largest, 1) << find_info(kFloods[n])->name;
+    EXPECT_GT(wrong[n], 0) << find_info(kSpreading[n])->name;
+    EXPECT_LT(errors.largest, 1) << find_info(kSpreading[n])->name;
   }
   EXPECT_LE(wrong[2], wrong[1]) << "a further pass mends";
 }
 
-TEST(Floods, VerifyCountsWhatIsWrong) {
+TEST(Spreading, VerifyCountsWhatIsWrong) {
   const auto [mesh, grid] = FineSphere();
   const VerifyResult found = verify(by(Method::jumpflood, mesh, grid, kInfinity).field, mesh, {.samples = 64'000});
   EXPECT_GT(found.samples_wrong, 0);
@@ -114,13 +114,13 @@ TEST(Floods, VerifyCountsWhatIsWrong) {
   EXPECT_TRUE(verify(by(Method::tiles, mesh, grid, kInfinity).field, mesh, {.samples = 64'000}).ok());
 }
 
-TEST(Floods, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
+TEST(Spreading, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
   using emulation::Order;
   Mesh mesh = testing::nasty_soup(5, 60, 5);
   const std::size_t originals = mesh.triangles.size();
   for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[t]);  // ties
   const Grid grids[] = {{{19, 14, 11}, {-5, -4, -3}, {0.5, 0.6, 0.6}}, {{1, 9, 30}, {0, -3, -7}, {0.5, 0.5, 0.5}}};
-  for (const Method method : kFloods)
+  for (const Method method : kSpreading)
     for (const Grid& grid : grids)
       for (const double thickness : {0.9, kInfinity}) {
         SCOPED_TRACE(std::string(find_info(method)->name) + ", thickness " + std::to_string(thickness));
@@ -138,9 +138,9 @@ TEST(Floods, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
       }
 }
 
-TEST(Floods, FarFromTheOriginAndAtAnyScale) {
+TEST(Spreading, FarFromTheOriginAndAtAnyScale) {
   const Vec3 far{1e6, -2e6, 3e6};
-  for (const Method method : kFloods) {
+  for (const Method method : kSpreading) {
     expect_within_bounds(method, testing::random_soup(6, 30, 4, 1, far),
                          {{15, 15, 15}, far - Vec3{5, 5, 5}, {0.7, 0.7, 0.7}}, kInfinity);
     for (const double scale : {1e-20, 1e15}) {
@@ -152,20 +152,20 @@ TEST(Floods, FarFromTheOriginAndAtAnyScale) {
   }
 }
 
-TEST(Floods, OneTriangleThatCoversEverything) {
+TEST(Spreading, OneTriangleThatCoversEverything) {
   Mesh mesh;
   add_triangle(mesh, {-9e5, -1e6, -8e5}, {1.1e6, -9e5, 7e5}, {-2e5, 1.9e6, 1e5});  // its centre is the origin
-  for (const Method method : kFloods) {
+  for (const Method method : kSpreading) {
     const Errors errors = expect_within_bounds(method, mesh, {{12, 12, 12}, {-3, -3, -3}, {0.5, 0.5, 0.5}}, kInfinity);
     EXPECT_EQ(errors.too_large, 0);
   }
 }
 
 // With nothing to begin with, a band is empty, and a full field is an error.
-TEST(Floods, MeshBesideTheGrid) {
+TEST(Spreading, MeshBesideTheGrid) {
   const Mesh mesh = testing::random_soup(8, 10, 1, 1, {100, 0, 0});
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.25, 0.25, 0.25}};
-  for (const Method method : kFloods)
+  for (const Method method : kSpreading)
     for (const Backend backend : {Backend::cpu, testing::kEmulated}) {
       EXPECT_EQ(by(method, mesh, grid, 1, backend).report.samples_band, 0);
       expect_error([&] { by(method, mesh, grid, kInfinity, backend); }, ErrorCode::input, "comes near no sample");

@@ -2,7 +2,7 @@
 // The table of the methods' pipelines on a GPU.
 #pragma once
 
-#include "approximate/flood.cuh"
+#include "approximate/spread.cuh"
 #include "field/cuda/pipeline.cuh"
 #include "thesis/algorithm_1.cuh"
 
@@ -18,11 +18,11 @@ auto with_pipeline(Method method, const Grid& grid, double thickness, Use use) {
     case Method::thesis:
       return use.template operator()<Algorithm1>();
     case Method::propagate:
-      return use.template operator()<Flooded<Propagation>>();
+      return use.template operator()<Spreading<Propagation>>();
     case Method::jumpflood:
-      return use.template operator()<Flooded<Jumps<0>>>();
+      return use.template operator()<Spreading<Jumps<0>>>();
     case Method::jumpflood_1:
-      return use.template operator()<Flooded<Jumps<1>>>();
+      return use.template operator()<Spreading<Jumps<1>>>();
     case Method::fuhrmann:
       break;
   }

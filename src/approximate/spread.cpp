@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vector propagation and jump flooding on the CPU.
-#include "approximate/flood.h"
+#include "approximate/spread.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -27,20 +27,20 @@ struct MeshCorners {
     corner[0] = triple_of(a), corner[1] = triple_of(b), corner[2] = triple_of(c);
   }
 };
-using Space = FloodSpace<MeshCorners>;
+using Space = SpreadSpace<MeshCorners>;
 
 std::size_t index_of(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z) {
   return static_cast<std::size_t>(x + l.size[0] * (y + l.size[1] * z));
 }
 
 // The numbers of a grid's samples, and how many distances were measured for them.
-struct Flood {
+struct Spreading {
   const Job& job;
   Space space;
   std::vector<Found> found;
   std::atomic<std::int64_t> measured{0};
 
-  explicit Flood(const Job& j)
+  explicit Spreading(const Job& j)
       : job(j),
         space{make_lattice(j.grid, j.thickness), {j.mesh}},
         found(static_cast<std::size_t>(j.grid.sample_count()), kNothingFound) {
@@ -133,28 +133,28 @@ struct Flood {
 };
 
 Counts run_jumps(const Job& job, Sink& sink, int more) {
-  Flood flood(job);
+  Spreading spreading(job);
   std::int64_t passes = 0;
-  for_each_jump(flood.space.lattice, more, [&](std::int64_t) { ++passes; });
-  job.progress.stage("flood", passes * job.grid.size.y * job.grid.size.z, 0.3, 0.9);
-  std::vector<Found> before(flood.found.size());
-  for_each_jump(flood.space.lattice, more, [&](std::int64_t step) { flood.jump_all(step, before); });
-  return flood.write(sink);
+  for_each_jump(spreading.space.lattice, more, [&](std::int64_t) { ++passes; });
+  job.progress.stage("spread", passes * job.grid.size.y * job.grid.size.z, 0.3, 0.9);
+  std::vector<Found> before(spreading.found.size());
+  for_each_jump(spreading.space.lattice, more, [&](std::int64_t step) { spreading.jump_all(step, before); });
+  return spreading.write(sink);
 }
 
 }  // namespace
 
 Counts run_propagate(const Job& job, Sink& sink) {
-  Flood flood(job);
-  job.progress.stage("flood", kPropagationSweeps * row_fronts(flood.space.lattice), 0.3, 0.9);
-  for (int number = 0; number < kPropagationSweeps; ++number) flood.sweep(number);
-  return flood.write(sink);
+  Spreading spreading(job);
+  job.progress.stage("spread", kPropagationSweeps * row_fronts(spreading.space.lattice), 0.3, 0.9);
+  for (int number = 0; number < kPropagationSweeps; ++number) spreading.sweep(number);
+  return spreading.write(sink);
 }
 
 Counts run_jumpflood(const Job& job, Sink& sink) { return run_jumps(job, sink, 0); }
 Counts run_jumpflood_1(const Job& job, Sink& sink) { return run_jumps(job, sink, 1); }
 
-std::int64_t flood_scratch_bytes(std::int64_t triangles, const Grid& grid, double, int threads) {
+std::int64_t spread_scratch_bytes(std::int64_t triangles, const Grid& grid, double, int threads) {
   const double tiles = static_cast<double>(tile_count(grid.size));
   const double bytes = 2.0 * sizeof(Found) * static_cast<double>(grid.sample_count()) + field_bytes(tiles, tiles, true);
   return static_cast<std::int64_t>(std::min(bytes, 0x1p60)) +

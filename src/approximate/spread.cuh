@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <utility>
 
-#include "approximate/flood.h"
 #include "approximate/jumpflood.h"
 #include "approximate/propagate.h"
+#include "approximate/spread.h"
 #include "field/cuda/counted_run.cuh"
 #include "thesis/algorithm_1.cuh"
 
@@ -23,9 +23,9 @@ struct DeviceCorners {
     }
   }
 };
-using DeviceSpace = FloodSpace<DeviceCorners>;
+using DeviceSpace = SpreadSpace<DeviceCorners>;
 
-/// Measures the seeds anew, as all other distances of a flood, and forgets what is not within `thickness` of a
+/// Measures the seeds anew, as all other distances of this method, and forgets what is not within `thickness` of a
 /// triangle. Threads stride over the samples.
 STANDOFF_KERNEL void measure_seeds(DeviceSpace space, float thickness, Counter* found, Outcome* outcome) {
   if (outcome->stopped) return;
@@ -63,13 +63,13 @@ STANDOFF_KERNEL void jump_all(DeviceSpace space, std::int64_t step, const Counte
   atomicAdd(&outcome->samples_examined, static_cast<Counter>(measured));
 }
 
-/// The pipeline of a method that begins with Algorithm 1's seeds. `Spread` hands triangles on: Propagation or Jumps.
-template <class Spread>
-struct Flooded : Algorithm1 {
-  Spread spread;
+/// The pipeline of a method that begins with Algorithm 1's seeds. `Way` hands triangles on: Propagation or Jumps.
+template <class Way>
+struct Spreading : Algorithm1 {
+  Way way;
 
-  Flooded(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
-      : Algorithm1(memory, triangles, l, entries), spread(memory, l) {}
+  Spreading(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
+      : Algorithm1(memory, triangles, l, entries), way(memory, l) {}
 
   void lower(const Lattice& l, const Task& task, Stream stream) {
     Task seeds = task;
@@ -78,7 +78,7 @@ struct Flooded : Algorithm1 {
     const DeviceSpace space{l, {task.mesh}};
     launch(stream, "measure seeds", measure_seeds, kManyBlocks, kThreads, space, static_cast<float>(seeds.thickness),
            nearest, task.outcome);
-    nearest = spread.run(space, nearest, task.outcome, stream);
+    nearest = way.run(space, nearest, task.outcome, stream);
     mark(l, task, stream);
   }
   void enqueue(const Lattice& l, const Task& task, Stream stream) {

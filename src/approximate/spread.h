@@ -54,7 +54,7 @@ inline void check_seeds(double thickness, std::int64_t samples_band) {
 /// The samples of a grid and the triangles that they measure. `Corners` is called with a triangle's index and an array
 /// of three corners, which it fills, world units.
 template <class Corners>
-struct FloodSpace {
+struct SpreadSpace {
   Lattice lattice;
   Corners corners;
 
@@ -75,8 +75,8 @@ struct FloodSpace {
 
 /// One sample, to which others hand their triangles. Counts the distances that it measures.
 template <class Corners>
-struct FloodSample {
-  const FloodSpace<Corners>& space;
+struct SpreadSample {
+  const SpreadSpace<Corners>& space;
   std::int64_t x, y, z;
   Found best;
   std::int64_t measured = 0;
