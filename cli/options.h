@@ -21,7 +21,8 @@
 namespace standoff::cli {
 
 /// The group of the options that rebuild the thesis. It stands last in a verb's help: add them last.
-inline constexpr const char* kThesisGroup = "The thesis of 2008 (docs/thesis.md)";
+inline constexpr const char* kThesisGroup =
+    "The thesis of 2008 and algorithms of others (docs/thesis.md, docs/methods.md)";
 
 struct OptionText {
   const char* name;   ///< "-r,--resolution"

@@ -155,9 +155,11 @@ void VerifyCommand::warn_of(const VerifyResult& found) const {
 void VerifyCommand::fail(const VerifyResult& found) const {
   const auto fail_with = [&](const std::string& what) {
     const bool is_exact = method.empty() || method == find_info(Method::tiles)->name;
+    const bool by_facet = found.sign.method.starts_with(name_of(SignMethod::facet));
     throw Error(ErrorCode::verify, field + ": " + what + "; " +
                                        (is_exact ? "" : "the method " + method + " is not exact: ") +
-                                       "compute it again from " + mesh.name() + (is_exact ? "" : " by tiles"));
+                                       "compute it again from " + mesh.name() + (is_exact ? "" : " by tiles") +
+                                       (by_facet ? ", with another sign than facet, which is wrong beside edges" : ""));
   };
   if (found.samples_wrong > 0)
     fail_with(sample_text(found.worst) + ": the value is wrong by " + number(found.worst.error) + ", more than the " +

@@ -50,11 +50,12 @@ struct DeviceOutput {
 
 /// The result of a task. The GPU writes it to device memory; copy it to the host and call check().
 struct Outcome {
-  static constexpr unsigned long long kNone = ~0ull;
+  static constexpr unsigned long long kNone = ~0ull, kNoSeeds = ~1ull;
   unsigned long long stopped;       ///< not 0: the task failed, and the output was not written
   unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
   unsigned long long needed_entries;    ///< triangle list entries needed; a lower bound if too few were given. kNone if
-                                        ///< the mesh changed during the work
+                                        ///< the mesh changed during the work; kNoSeeds if the method begins at samples
+                                        ///< near the surface, and there are none
   unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
   unsigned long long samples_examined;  ///< as in ComputeReport
   unsigned long long samples_band;

@@ -41,7 +41,8 @@ std::vector<int> devices_in(const std::string& device, Backend& backend) {
                                       "': after 'cuda:' give the GPU's number, from 0, or several, as "
                                       "'cuda:0,1'");
   };
-  if (!info.has_devices) fail();
+  if (!info.has_devices)
+    throw Error(ErrorCode::usage, "device '" + device + "': only a GPU takes a number, as in 'cuda:1'");
   const char* const end = device.data() + device.size();
   for (const char* at = device.data() + colon; at != end;) {
     int number = -1;

@@ -56,8 +56,8 @@ def field(
         sign: ``"auto"`` makes values inside negative by what fits the mesh, and warns if that is not certain
             (`SignWarning`). Another method's name, a `Sign`, or None for distances without sign.
         nearest: also store the index of each sample's nearest triangle.
-        method: ``"tiles"``, which is exact. The others are for comparison: Algorithm 1 of the 2008 thesis, and algorithms
-            of others, which are not exact (docs/methods.md).
+        method: ``"tiles"``, which is exact. The others are for comparison: Algorithm 1 of the 2008 thesis, and
+            algorithms of others, which are not exact (docs/methods.md).
         out: float32 array ``(nx, ny, nz)`` in Fortran order that the values are written to; the field keeps it. For a
             mesh on a GPU one there; by default the library that the vertices came in makes it.
         device: ``"auto"``, ``"cpu"``, ``"cuda"``, ``"cuda:N"`` or ``"emulated"``; ``"cuda:0,1"`` shares the field among

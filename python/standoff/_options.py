@@ -29,7 +29,8 @@ class Sign:
     Attributes:
         method: ``"auto"`` takes what fits the mesh, or no sign if it has no inside. ``"winding"`` and ``"parity"`` go
             by crossings, ``"normal"`` by the nearest triangle's front (terrain), ``"facet"`` by its plane, which is
-            wrong beside edges and for comparison only, ``"flood"`` by what cannot be reached from outside, ``"shell"`` makes the surface a solid of the given thickness; ``"none"``: no sign.
+            wrong beside edges and for comparison only, ``"flood"`` by what cannot be reached from outside, ``"shell"``
+            makes the surface a solid of the given thickness; ``"none"``: no sign.
         rule: which winding numbers are inside: ``"positive"``, ``"nonzero"`` or ``"odd"``.
         invert: exchange inside and outside, as for a room scanned from inside.
         strict: raise `DoubtError` where the sign is not certain.

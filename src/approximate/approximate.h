@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "field/backend.h"
 
@@ -14,7 +13,7 @@ namespace standoff::cpu {
 Counts run_fuhrmann(const Job& job, Sink& sink);
 
 /// Vector propagation (propagate.h) and jump flooding (jumpflood.h). They hold a number for each sample of the grid, or
-/// two; Throw Error{input} where a full field is asked for and the surface comes near no sample.
+/// two, and throw the error of throw_no_seeds().
 Counts run_propagate(const Job& job, Sink& sink);
 Counts run_jumpflood(const Job& job, Sink& sink);
 Counts run_jumpflood_1(const Job& job, Sink& sink);

@@ -6,11 +6,11 @@
 // Source: A. Fuhrmann, G. Sobottka, C. Gross, Distance fields for rapid collision detection in physically based
 // modeling, 2003.
 //
-// Not exact. The box of the prism holds all samples over the face of the triangle within the thickness, so a sample
-// whose nearest point is inside a face has the exact distance. A sample that is nearest to an edge or a vertex lies
-// beside the prisms there; it has its distance if the box of some prism of that edge or vertex happens to hold it, else
-// one that is too large, up to the thickness. Its sign there is SignMethod::facet, which fails near edges and vertices
-// whose triangles see the sample on different sides.
+// Not exact. Distances are Algorithm 1's, in float (thesis_distance.h). The box of the prism holds all samples over the
+// face of the triangle within the thickness, so a sample whose nearest point is inside a face has the exact distance. A
+// sample that is nearest to an edge or a vertex lies beside the prisms there; it has its distance if the box of some
+// prism of that edge or vertex happens to hold it, else one that is too large, up to the thickness. Its sign there is
+// SignMethod::facet, which fails near edges and vertices whose triangles see the sample on different sides.
 #include <cmath>
 
 #include "approximate/approximate.h"
@@ -34,6 +34,9 @@ SampleRange prism_samples(const Triple<double> (&corner)[3], const Grid& grid, d
 
 }  // namespace
 
-Counts run_fuhrmann(const Job& job, Sink& sink) { return run_in_boxes(job, sink, prism_samples); }
+Counts run_fuhrmann(const Job& job, Sink& sink) {
+  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  return run_in_boxes(job, sink, prism_samples);
+}
 
 }  // namespace standoff::cpu

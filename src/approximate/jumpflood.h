@@ -8,7 +8,8 @@
 //
 // Bound. A seed reaches any sample by steps that halve: its triangle, or one that is nearer where it comes by, is
 // handed on along a path that is at most the sum of the distances along the axes, so at most sqrt 3 times the distance.
-// With the argument of propagate.h a value is at most 1.7321 (d + h) + h, for any spacings.
+// With the argument of propagate.h a value is at most 1.7321 (d + h) + h where the nearest point lies in the grid, for
+// any spacings.
 #pragma once
 
 #include <cstdint>

@@ -50,11 +50,13 @@ struct Spreading {
   // The nearest triangles of the samples at the surface, by Algorithm 1.
   void seed() {
     const double thickness = seed_thickness(job.grid);
-    ProgressMeter unwatched;
     DistanceField shell(job.grid, thickness, true);
     Sink sink(shell);
-    measured +=
-        run_thesis({job.mesh, job.kept, job.grid, thickness, job.threads, job.simd, unwatched}, sink).samples_examined;
+    job.progress.stage("seed", brick_count(job.grid), 0.2, 0.3);
+    measured += run_in_boxes({job.mesh, job.kept, job.grid, thickness, job.threads, job.simd, job.progress}, sink,
+                             visited_samples)
+                    .samples_examined;
+    if (shell.stored_tiles() == 0) throw_no_seeds();
     for (const DistanceField::Tile& tile : shell.tiles())
       for (int n = 0; n < kTileSamples; ++n) {
         const std::uint32_t triangle = tile.nearest[static_cast<std::size_t>(n)];
@@ -69,10 +71,12 @@ struct Spreading {
 
   void sweep(int number) {
     for (std::int64_t front = 0; front < row_fronts(space.lattice); ++front) {
-      tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, space.lattice.size[2], 4), [&](const auto& steps) {
-        for (std::int64_t step = steps.begin(); step != steps.end(); ++step)
-          if (const SweptRow row = swept_row(space.lattice, number, front, step); row.in_grid)
-            measured += sweep_row(space, number, row.y, row.z, found.data());
+      const auto [first, past] = steps_of_front(space.lattice, front);
+      tbb::parallel_for(tbb::blocked_range<std::int64_t>(first, past, 4), [&](const auto& steps) {
+        for (std::int64_t step = steps.begin(); step != steps.end(); ++step) {
+          const SweptRow row = swept_row(space.lattice, number, front, step);
+          measured += sweep_row(space, number, row.y, row.z, found.data());
+        }
       });
       job.progress.advance();
     }
@@ -100,7 +104,6 @@ struct Spreading {
       tile_at(l, index, tile);
       band += write_tile(tile, sink);
     });
-    check_seeds(job.thickness, band);
     return {measured, band};
   }
 

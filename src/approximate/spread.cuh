@@ -26,28 +26,38 @@ struct DeviceCorners {
 using DeviceSpace = SpreadSpace<DeviceCorners>;
 
 /// Measures the seeds anew, as all other distances of this method, and forgets what is not within `thickness` of a
-/// triangle. Threads stride over the samples.
+/// triangle. Counts the seeds in Outcome::needed_entries. Threads stride over the samples.
 STANDOFF_KERNEL void measure_seeds(DeviceSpace space, float thickness, Counter* found, Outcome* outcome) {
   if (outcome->stopped) return;
   const Lattice& l = space.lattice;
-  Counter measured = 0;
+  Counter seeds = 0;
   for (std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x; n < l.size[0] * l.size[1] * l.size[2];
        n += std::int64_t{blockDim.x} * gridDim.x) {
-    const bool is_seed = sqrt(distance_sq_of(found[n])) * l.unscale <= thickness;
+    const bool is_seed =
+        triangle_of(found[n]) != kNoTriangle && sqrt(distance_sq_of(found[n])) * l.unscale <= thickness;
     found[n] = is_seed ? space.measured(n % l.size[0], n / l.size[0] % l.size[1], n / (l.size[0] * l.size[1]),
                                         triangle_of(found[n]))
                        : kNothingFound;
-    measured += is_seed;
+    seeds += is_seed;
   }
-  atomicAdd(&outcome->samples_examined, measured);
+  atomicAdd(&outcome->samples_examined, seeds);
+  atomicAdd(&outcome->needed_entries, seeds);
 }
 
-/// The rows of a front, a thread for each.
-STANDOFF_KERNEL void sweep_front(DeviceSpace space, int sweep, std::int64_t front, Counter* found, Outcome* outcome) {
-  const std::int64_t step = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (outcome->stopped || step >= space.lattice.size[2]) return;
+/// Stops all later kernels if there are no seeds.
+STANDOFF_KERNEL void check_seeds(Outcome* outcome) {
+  if (outcome->stopped) return;
+  const bool some = outcome->needed_entries > 0;
+  outcome->needed_entries = some ? 0 : Outcome::kNoSeeds;
+  if (!some) stop(outcome);
+}
+
+/// The rows of a front with at least `first` steps along z, a thread for each.
+STANDOFF_KERNEL void sweep_front(DeviceSpace space, int sweep, std::int64_t front, FrontSteps steps, Counter* found,
+                                 Outcome* outcome) {
+  const std::int64_t step = steps.first + std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (outcome->stopped || step >= steps.past) return;
   const SweptRow row = swept_row(space.lattice, sweep, front, step);
-  if (!row.in_grid) return;
   atomicAdd(&outcome->samples_examined, static_cast<Counter>(sweep_row(space, sweep, row.y, row.z, found)));
 }
 
@@ -71,22 +81,25 @@ struct Spreading : Algorithm1 {
   Spreading(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
       : Algorithm1(memory, triangles, l, entries), way(memory, l) {}
 
-  void lower(const Lattice& l, const Task& task, Stream stream) {
+  /// First half. Calls after_pass() after each pass over the grid.
+  template <class AfterPass>
+  void lower(const Lattice& l, const Task& task, Stream stream, const AfterPass& after_pass) {
     Task seeds = task;
     seeds.thickness = seed_thickness(task.grid);
     clear_and_lower(make_lattice(task.grid, seeds.thickness), seeds, stream);
     const DeviceSpace space{l, {task.mesh}};
     launch(stream, "measure seeds", measure_seeds, kManyBlocks, kThreads, space, static_cast<float>(seeds.thickness),
            nearest, task.outcome);
-    nearest = way.run(space, nearest, task.outcome, stream);
+    launch(stream, "check seeds", check_seeds, 1, 1, task.outcome);
+    nearest = way.run(space, nearest, task.outcome, stream, after_pass);
     mark(l, task, stream);
   }
   void enqueue(const Lattice& l, const Task& task, Stream stream) {
-    lower(l, task, stream);
+    lower(l, task, stream, [] {});
     write(l, task, stream);
   }
   void run(CountedRun& run) {
-    lower(run.lattice, run.task, nullptr);
+    lower(run.lattice, run.task, nullptr, [&] { run.wait(); });
     finish(run);
   }
 };
@@ -94,11 +107,17 @@ struct Spreading : Algorithm1 {
 struct Propagation {
   Propagation(gpu::Workspace&, const Lattice&) {}
 
-  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream) const {
-    for (int sweep = 0; sweep < kPropagationSweeps; ++sweep)
-      for (std::int64_t front = 0; front < row_fronts(space.lattice); ++front)
-        launch(stream, "sweep front", sweep_front, blocks_for(space.lattice.size[2]), kThreads, space, sweep, front,
-               found, outcome);
+  template <class AfterPass>
+  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream,
+               const AfterPass& after_pass) const {
+    for (int sweep = 0; sweep < kPropagationSweeps; ++sweep) {
+      for (std::int64_t front = 0; front < row_fronts(space.lattice); ++front) {
+        const FrontSteps steps = steps_of_front(space.lattice, front);
+        launch(stream, "sweep front", sweep_front, blocks_for(steps.past - steps.first), kThreads, space, sweep, front,
+               steps, found, outcome);
+      }
+      after_pass();
+    }
     return found;
   }
 };
@@ -109,11 +128,14 @@ struct Jumps {
 
   Jumps(gpu::Workspace& memory, const Lattice& l) : other(memory.take<Counter>(l.size[0] * l.size[1] * l.size[2])) {}
 
-  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream) const {
+  template <class AfterPass>
+  Counter* run(const DeviceSpace& space, Counter* found, Outcome* outcome, Stream stream,
+               const AfterPass& after_pass) const {
     Counter *before = found, *after = other;
     for_each_jump(space.lattice, kMore, [&](std::int64_t step) {
       launch(stream, "jump", jump_all, kManyBlocks, kThreads, space, step, before, after, outcome);
       std::swap(before, after);
+      after_pass();
     });
     return before;
   }

@@ -2,18 +2,16 @@
 // What vector propagation (propagate.h) and jump flooding (jumpflood.h) share, on the CPU and on a GPU: the seeds, and
 // the number per sample that they spread (docs/methods.md).
 //
-// Both begin with the samples near the surface, whose nearest triangle Algorithm 1 finds exactly, and hand triangles on
-// from sample to sample: each sample measures its distance from the triangles of others and keeps the nearest one. So a
-// value is the distance from some triangle of the mesh, and never too small; it is too large where no neighbour of the
-// sample has kept the triangle that is nearest to the sample.
+// Both begin with the samples near the surface, the seeds, whose nearest triangles Algorithm 1 finds, and hand
+// triangles on from sample to sample: each sample measures its distance from the triangles of others and keeps the
+// nearest one. So a value is the distance from some triangle of the mesh, and never too small; it is too large where no
+// neighbour of the sample has kept the triangle that is nearest to the sample.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "field/lattice.h"
 #include "geometry/closest_part.h"
-#include "standoff/error.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
 
@@ -41,15 +39,9 @@ STANDOFF_HD inline Found found_of(float distance_sq, std::uint32_t triangle) {
 }
 
 /// Seeds are the samples this near to the surface, world units: all corners of the cells that it passes through.
+/// Algorithm 1 computes in float, with an error of some 2^-22 of the triangle's extent: of triangles larger than a
+/// million spacings it may miss seeds, or take the wrong one of two.
 inline double seed_thickness(const Grid& grid) { return length(grid.spacing); }
-
-/// Throws Error{input} for a full field that no seed has filled.
-inline void check_seeds(double thickness, std::int64_t samples_band) {
-  if (samples_band == 0 && std::isinf(thickness))
-    throw Error(ErrorCode::input,
-                "compute: the surface comes near no sample of the grid, so that this method has nothing to begin with; "
-                "take a grid around the mesh, or the method tiles");
-}
 
 /// The samples of a grid and the triangles that they measure. `Corners` is called with a triangle's index and an array
 /// of three corners, which it fills, world units.

@@ -126,6 +126,9 @@ struct BackendRow {
   bool on_several_devices = false;  ///< Job::devices may name several
 };
 
+/// Throws Error{input}: the method begins at samples near the surface, and there are none.
+[[noreturn]] void throw_no_seeds();
+
 /// The row for a job of this size; Backend::automatic takes a GPU if there is one and the job is large enough for it.
 /// Throws Error{device} if no row fits.
 const BackendRow& find_backend(Backend backend, Method method, std::int64_t triangles, const Grid& grid);

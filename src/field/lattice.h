@@ -81,6 +81,12 @@ inline Lattice make_lattice(const Grid& grid, double thickness, const Size3& fir
   return l;
 }
 
+/// Bricks of a grid.
+inline std::int64_t brick_count(const Grid& grid) {
+  const auto along = [](std::int64_t samples) { return (samples + kBrickSide - 1) / kBrickSide; };
+  return along(grid.size.x) * along(grid.size.y) * along(grid.size.z);
+}
+
 /// The position of sample (x, y, z); fractions are allowed. Grid units.
 STANDOFF_INLINE Triple<double> position(const Lattice& l, double x, double y, double z) {
   return {(l.origin[0] + l.spacing[0] * (l.first[0] + x)) * l.scale,

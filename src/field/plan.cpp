@@ -35,10 +35,12 @@ void validate(double thickness, const ComputeOptions& options) {
     fail("there is no such method or skip rule; take one of enum Method and of SkipRule::Kind");
   if (!options.devices.empty() && !find_info(options.execution.backend)->has_devices)
     fail("devices are GPUs by their numbers; take Backend::cuda with them, or name none");
-  for (auto at = options.devices.begin(); at != options.devices.end(); ++at)
-    if (*at < 0 || std::find(options.devices.begin(), at, *at) != at)
-      throw Error(ErrorCode::usage, "compute: there is no device " + std::to_string(*at) + " or it is named twice; " +
-                                        "devices are counted from 0");
+  for (auto at = options.devices.begin(); at != options.devices.end(); ++at) {
+    const std::string device = "compute: device " + std::to_string(*at);
+    if (*at < 0) throw Error(ErrorCode::usage, device + " does not exist; devices are counted from 0");
+    if (std::find(options.devices.begin(), at, *at) != at)
+      throw Error(ErrorCode::usage, device + " is named twice; name each once");
+  }
   if (std::isinf(thickness) && !find_info(options.method)->full_fields)
     throw Error(ErrorCode::usage, std::string("compute: the method ") + find_info(options.method)->name +
                                       " has no full fields; give a finite thickness, or take the method tiles");
@@ -49,6 +51,12 @@ void check_slab_samples(std::int64_t samples) {
   if (samples < 1)
     throw Error(ErrorCode::usage,
                 "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
+}
+
+void throw_no_seeds() {
+  throw Error(ErrorCode::input,
+              "compute: the method found no sample near the surface, so that it has nothing to begin with; take a grid "
+              "around the mesh, or the method tiles");
 }
 
 SkipRule effective_rule(const ComputeOptions& options) {
@@ -111,8 +119,11 @@ namespace {
 
 // Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
-  return plan.row->scratch_bytes(plan.triangles, plan.grid, plan.thickness, plan.threads) *
-         static_cast<std::int64_t>(plan.devices.size());
+  // Several devices work on parts of the grid.
+  const auto devices = static_cast<std::int64_t>(plan.devices.size());
+  Grid part = plan.grid;
+  if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
+  return devices * plan.row->scratch_bytes(plan.triangles, part, plan.thickness, plan.threads);
 }
 
 // Bytes that deciding the sign takes beside the output and the crossings.

@@ -217,7 +217,6 @@ std::int64_t emit(const Shared& shared, const Brick& brick, const BrickSamples& 
 Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited) {
   const Shared shared(job, visited);
   std::atomic<std::int64_t> examined{0}, band{0};
-  job.progress.stage("gather", shared.lattice.brick_count(), 0.2, 1);
   const auto gather_batch = [&](const Bins& bins) {
     tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) {
       const auto refs = bins.of(n);
@@ -239,7 +238,10 @@ Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited) {
   return {examined, band};
 }
 
-Counts run_thesis(const Job& job, Sink& sink) { return run_in_boxes(job, sink, visited_samples); }
+Counts run_thesis(const Job& job, Sink& sink) {
+  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  return run_in_boxes(job, sink, visited_samples);
+}
 
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
   return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), most_refs(triangles), threads) +

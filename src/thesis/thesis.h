@@ -18,7 +18,7 @@ namespace standoff::cpu {
 /// Counts::samples_examined is the number of these pairs. Skipping and compaction come before (Job::kept).
 Counts run_thesis(const Job& job, Sink& sink);
 /// The same for other samples: those that `visited` names for a triangle, world units. They must lie in the triangle's
-/// box grown by the thickness.
+/// box grown by the thickness. Counts a unit of progress for each brick; the caller begins the stage.
 using VisitedSamples = SampleRange(const Triple<double> (&corner)[3], const Grid& grid, double thickness);
 Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited);
 std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);

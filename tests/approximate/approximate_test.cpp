@@ -161,15 +161,32 @@ TEST(Spreading, OneTriangleThatCoversEverything) {
   }
 }
 
-// With nothing to begin with, a band is empty, and a full field is an error.
-TEST(Spreading, MeshBesideTheGrid) {
+TEST(Spreading, MeshBesideTheGridIsAnError) {
   const Mesh mesh = testing::random_soup(8, 10, 1, 1, {100, 0, 0});
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.25, 0.25, 0.25}};
   for (const Method method : kSpreading)
-    for (const Backend backend : {Backend::cpu, testing::kEmulated}) {
-      EXPECT_EQ(by(method, mesh, grid, 1, backend).report.samples_band, 0);
-      expect_error([&] { by(method, mesh, grid, kInfinity, backend); }, ErrorCode::input, "comes near no sample");
-    }
+    for (const Backend backend : {Backend::cpu, testing::kEmulated})
+      for (const double thickness : {1.0, kInfinity})
+        expect_error([&] { by(method, mesh, grid, thickness, backend); }, ErrorCode::input, "nothing to begin with");
+}
+
+// A front of a sweep has few rows if the grid is long along one axis: all of them would take minutes here.
+TEST(Spreading, LongGridsTakeNoTime) {
+  const Mesh mesh = testing::random_soup(12, 10, 1, 1);
+  for (const Size3 size : {Size3{2, 2, 20'000}, Size3{2, 20'000, 2}, Size3{20'000, 2, 2}})
+    EXPECT_EQ(by(Method::propagate, mesh, {size, {-0.5, -0.5, -0.5}, {1, 1, 1}}, kInfinity).report.samples_band,
+              80'000);
+}
+
+TEST(Spreading, CanBeCancelledWhileItSeeks) {
+  const Mesh mesh = testing::random_soup(13, 3000, 5, 10);
+  const Grid grid{{40, 40, 40}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
+  for (const std::string stage : {"seed", "spread"}) {
+    ComputeOptions options{.method = Method::jumpflood};
+    options.execution.backend = Backend::cpu;
+    options.progress = [&](const Progress& now) { return std::string(now.stage) != stage; };
+    expect_error([&] { compute(mesh, grid, kInfinity, options); }, ErrorCode::interrupted, "cancelled");
+  }
 }
 
 // Fuhrmann: exact over faces, and between the exact distance and the thickness elsewhere.
@@ -239,6 +256,16 @@ TEST(Fuhrmann, PlanesGiveWrongSignsBesideEdges) {
   }
   EXPECT_GT(wrong[1], 0);
   EXPECT_GT(wrong[0], wrong[1]) << "larger triangles";
+}
+
+// Samples in the plane of a face are on neither side: none may hand its side on to the inside of a cube.
+TEST(Facet, LeavesTheInsideInside) {
+  const Mesh box = scenes::make("box");
+  const Grid grid = fit_spacing(bounds(box), {0.125, 0.125, 0.125}, Padding{.least_samples = 2});
+  ComputeOptions options{.sign = {SignMethod::facet}};
+  const VerifyResult found = verify(compute(box, grid, 0.9 * 0.125, options).field, box, {.samples = 1'000'000});
+  EXPECT_GT(found.sign.negative, 0);
+  EXPECT_EQ(found.sign.wrong, 0);
 }
 
 TEST(Fuhrmann, TakesDegenerateTrianglesAndAnyThreads) {

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -62,45 +61,35 @@ namespace {
 // Windows of whole layers of bricks, which devices take in turn. One device gets one window: the grid.
 class Windows {
  public:
-  Windows(const Grid& grid, std::size_t devices) : grid_(grid) {
-    const std::int64_t layers = (grid.size.z + kBrickSide - 1) / kBrickSide;
+  Windows(const Grid& grid, std::size_t devices) : grid_(grid), layers_((grid.size.z + kBrickSide - 1) / kBrickSide) {
     // Two for each device, as one may take longer than another. The number is a choice: it was not measured.
-    count_ = devices == 1 ? 1 : std::min<std::int64_t>(layers, 2 * static_cast<std::int64_t>(devices));
-    layers_ = (layers + count_ - 1) / count_;
+    count_ = devices == 1 ? 1 : std::min<std::int64_t>(layers_, 2 * static_cast<std::int64_t>(devices));
   }
 
-  /// The largest one.
-  Grid at(std::int64_t n = 0) const {
+  std::int64_t count() const { return count_; }
+  Size3 first(std::int64_t n) const { return {0, 0, kBrickSide * (layers_ * n / count_)}; }
+  Grid at(std::int64_t n) const {
     Grid window = grid_;
-    window.size.z = std::min(kBrickSide * layers_, grid_.size.z - first(n).z);
+    window.size.z = std::min(first(n + 1).z, grid_.size.z) - first(n).z;
     return window;
   }
-  Size3 first(std::int64_t n) const { return {0, 0, kBrickSide * layers_ * n}; }
-  /// The number of the next one; nothing if there is none, or the work has failed.
-  std::optional<std::int64_t> next() {
-    const std::int64_t n = next_++;
-    return first(n).z < grid_.size.z ? std::optional(n) : std::nullopt;
-  }
+  /// The number of the next one; count() or more if there is none, or the work has failed.
+  std::int64_t next() { return next_++; }
   void stop() { next_ = count_; }
-  std::int64_t copies() const {
-    std::int64_t sum = 0;
-    for (std::int64_t n = 0; first(n).z < grid_.size.z; ++n) sum += copies_of(at(n));
-    return sum;
-  }
 
  private:
   Grid grid_;
-  std::int64_t count_, layers_;
+  std::int64_t layers_, count_;
   std::atomic<std::int64_t> next_{0};
 };
 
 template <class Pipeline>
 Counts run_on(int device, const Job& job, Windows& windows, Sink& sink) {
   const DeviceScope scope(device);
-  const HostRun<Pipeline> run(job, windows.at());
+  const HostRun<Pipeline> run(job, windows.at(0));
   Counts sum;
-  while (const auto n = windows.next()) {
-    const Counts counts = run.run(windows.at(*n), windows.first(*n), sink);
+  for (std::int64_t n = windows.next(); n < windows.count(); n = windows.next()) {
+    const Counts counts = run.run(windows.at(n), windows.first(n), sink);
     sum.samples_examined += counts.samples_examined;
     sum.samples_band += counts.samples_band;
   }
@@ -110,6 +99,7 @@ Counts run_on(int device, const Job& job, Windows& windows, Sink& sink) {
 // A thread of the host for each device. The first error ends the work of all.
 template <class Pipeline>
 Counts run_on_all(const Job& job, Windows& windows, Sink& sink) {
+  for (const int device : job.devices) const DeviceScope usable(device);  // throws before any work
   std::mutex finishing;
   std::exception_ptr error;
   Counts sum;
@@ -136,13 +126,13 @@ Counts run_on_all(const Job& job, Windows& windows, Sink& sink) {
 
 Counts run(Method method, const Job& job, Sink& sink) try {
   Windows windows(job.grid, std::max<std::size_t>(1, job.devices.size()));
-  job.progress.stage("gather", kUnitsPerCopy * windows.copies(), 0.2, 1);
-  const Counts counts = with_pipeline(method, job.grid, job.thickness, [&]<class Pipeline>() {
+  std::int64_t copies = 0;
+  for (std::int64_t n = 0; n < windows.count(); ++n) copies += copies_of(windows.at(n));
+  job.progress.stage("gather", kUnitsPerCopy * copies, 0.2, 1);
+  return with_pipeline(method, job.grid, job.thickness, [&]<class Pipeline>() {
     if (job.devices.size() > 1) return run_on_all<Pipeline>(job, windows, sink);
     return run_on<Pipeline>(job.devices.empty() ? 0 : job.devices[0], job, windows, sink);
   });
-  check_seeds(job.thickness, counts.samples_band);
-  return counts;
 } catch (const gpu::OutOfMemory& error) {
   throw Error(error.code(), std::string(error.what()) + ", or take fewer samples or a smaller thickness",
               error.details());

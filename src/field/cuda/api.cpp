@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/guarded.h"
+#include "field/backend.h"
 #include "field/cuda/capacity.h"
 #include "standoff/error.h"
 
@@ -25,6 +26,7 @@ void check(const Outcome& outcome, const Task& task) try {
                 "cuda: triangle " + std::to_string(outcome.bad_triangle) +
                     " has an index out of range or a corner that is not finite; repair the mesh",
                 {.triangle = static_cast<std::int64_t>(outcome.bad_triangle)});
+  if (outcome.needed_entries == Outcome::kNoSeeds) throw_no_seeds();
   if (outcome.needed_entries == Outcome::kNone)
     throw Error(ErrorCode::input,
                 "cuda: the mesh changed while its field was computed; nothing was written, let the work end before the "

@@ -89,6 +89,7 @@ class CountedRun {
   /// Waits for the device and reads the counts.
   const Outcome& look() {
     copy_out(&outcome_, task.outcome, sizeof outcome_);
+    if (outcome_.needed_entries == Outcome::kNoSeeds) throw_no_seeds();
     if (outcome_.stopped != 0)
       throw Error(ErrorCode::internal, "gpu: the kernels stopped without a reason; please report this");
     return outcome_;

@@ -18,6 +18,7 @@
 #include "field/cuda/capacity.h"
 #include "field/cuda/cell_hierarchy.cuh"
 #include "field/cuda/gather_band.cuh"
+#include "field/prepare.h"
 #include "gpu/devices.h"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -241,6 +242,7 @@ inline void check_task(const Task& task) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   validate(task.grid);
   if (!(task.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
+  if (!has_float_spacing(task.grid)) fail("distances would not fit into float; give spacings of other units");
   check_count(task.mesh);
   if (!task.mesh.vertices || !task.mesh.triangles || !task.output.values || !task.outcome)
     fail("vertices, triangles, values and outcome must point to device memory; one is null");

@@ -65,8 +65,10 @@ SideOfNearest by_pseudonormals(const OrientedMesh& mesh) {
 
 SideOfNearest by_planes(const OrientedMesh& mesh) {
   return [mesh](const Vec3& p, std::uint32_t triangle) {
+    using Place = Pseudonormals::Place;
     const auto [a, b, c] = mesh.mesh.corners(triangle);
-    return orient3d(a, b, c, p) * mesh.use_of(triangle) < 0 ? Pseudonormals::Place::back : Pseudonormals::Place::front;
+    const int side = orient3d(a, b, c, p) * mesh.use_of(triangle);
+    return side == 0 ? Place::on_surface : side < 0 ? Place::back : Place::front;
   };
 }
 

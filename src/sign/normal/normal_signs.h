@@ -38,7 +38,8 @@ using SideOfNearest = std::function<Pseudonormals::Place(const Vec3& p, std::uin
 /// Exact: by the normal of the nearest face, edge or vertex.
 SideOfNearest by_pseudonormals(const OrientedMesh& mesh);
 /// By the triangle's plane alone, as Fuhrmann 2003: wrong where the nearest point is on an edge or a vertex, and the
-/// planes that meet there disagree. A point in the plane is in front, and so is any point of a triangle without area.
+/// planes that meet there disagree. A point in the plane is on the surface, and so is any point of a triangle without
+/// area.
 SideOfNearest by_planes(const OrientedMesh& mesh);
 
 /// Samples with a nearest triangle have the side that SideOfNearest finds. Other samples take the side of those that

@@ -77,7 +77,7 @@ TEST(Devices, RefusesWhatItCannotShare) {
   options.method = Method::thesis;
   refuses(options, "the method thesis takes one emulated device");
   refuses(on({0, 0}), "named twice");
-  refuses(on({-1}), "no device -1");
+  refuses(on({-1}), "device -1 does not exist");
   options = on({0, 1});
   options.execution.backend = Backend::cpu;
   refuses(options, "devices are GPUs by their numbers");
