@@ -9,6 +9,7 @@
 
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
+#include "gpu/growing.cuh"
 #include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -103,20 +104,6 @@ struct Wanted {
   }
 };
 
-// Device memory that is allocated again only if it must grow.
-struct Growing {
-  Memory memory;
-  std::int64_t bytes = 0;
-
-  void grow_to(std::int64_t needed) {
-    if (needed <= bytes) return;
-    memory = Memory();  // free the old memory before taking the new
-    bytes = 0;
-    memory = Memory(needed);
-    bytes = needed;
-  }
-};
-
 }  // namespace
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, const OnStream& on) {
@@ -148,8 +135,8 @@ std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> re
       tasks.push_back(one.task);
       needed = std::max(needed, one.bytes());
     }
-    workspace.grow_to(needed);
-    STANDOFF_PLATFORM::enqueue(tasks, workspace.memory.as<void>(), workspace.bytes, on.stream);
+    char* const memory = workspace.room_for<char>(needed);
+    STANDOFF_PLATFORM::enqueue(tasks, memory, workspace.bytes(), on.stream);
     meshes.look(on.stream);
     std::vector<Wanted> again;
     for (Wanted& one : wanted) {

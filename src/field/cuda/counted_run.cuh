@@ -11,29 +11,9 @@
 #include "field/backend.h"
 #include "field/cuda/capacity.h"
 #include "field/cuda/pipeline.cuh"
+#include "gpu/growing.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
-
-/// Device memory that is replaced if it is too small; then its content is lost.
-class Growing {
- public:
-  /// Returns room for `count` elements. Throws Error{limit}.
-  template <class T>
-  T* room_for(std::int64_t count) {
-    const std::int64_t bytes = count * static_cast<std::int64_t>(sizeof(T));
-    if (bytes > bytes_) {
-      memory_ = Memory();  // free the old memory first; cudaFree waits for kernels that still read it
-      bytes_ = 0;
-      memory_ = Memory(bytes);
-      bytes_ = bytes;
-    }
-    return memory_.as<T>();
-  }
-
- private:
-  Memory memory_;
-  std::int64_t bytes_ = 0;
-};
 
 /// Bytes that a CountedRun takes at its beginning; it allocates lists and values later, when they have been counted.
 template <class Pipeline>
