@@ -67,7 +67,7 @@ endif()
 
 # Fields of meshes on the CPU and on CUDA.
 standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES} backends/cuda/${STANDOFF_CUDA_FILES}
-                   points/cuda/${STANDOFF_CUDA_FILES} WITHOUT /algorithm_2
+                   points/cuda/${STANDOFF_CUDA_FILES} WITHOUT /thesis/algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
 # Surfaces out of fields and meshes.

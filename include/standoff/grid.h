@@ -18,12 +18,14 @@ struct Grid {
   Vec3 spacing = {1, 1, 1};  ///< distance between neighbouring samples per axis, world units, positive
 
   friend bool operator==(const Grid&, const Grid&) = default;
-  Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  constexpr Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return origin + spacing * Vec3{double(i), double(j), double(k)};
   }
   /// The index of sample (i,j,k) in a dense array, x fastest. Requires a valid grid and a sample of it.
-  std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const { return i + size.x * (j + size.y * k); }
-  std::int64_t sample_count() const { return size.count(); }
+  constexpr std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return i + size.x * (j + size.y * k);
+  }
+  constexpr std::int64_t sample_count() const { return size.count(); }
   /// The box whose corners are the first and the last sample. Requires a size of at least 1 per axis.
   Box bounds() const { return {origin, position(size.x - 1, size.y - 1, size.z - 1)}; }
   /// The largest of the three spacings.

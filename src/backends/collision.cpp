@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+// The tables of devices for batches of collision queries, and for Algorithm 2 of the thesis.
 #include "collision/device.h"
 
 #include <array>
+#include <string>
 
 #include "backends/missing.h"
 #include "gpu/devices.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
+#include "thesis/algorithm_2.h"
 
 namespace standoff::collision {
 namespace {
@@ -29,3 +32,30 @@ const DeviceRow* find_device(Backend backend, std::size_t count) {
 }
 
 }  // namespace standoff::collision
+
+namespace standoff::thesis {
+namespace {
+
+constexpr std::array kAlgorithm2Rows{
+    Algorithm2Row{Backend::cpu, [] { return true; }, [](int) { return std::string(); }, cpu::hold_field,
+                  cpu::moving_field, cpu::first_below, cpu::least_sum},
+    Algorithm2Row{Backend::cuda, cuda::available, cuda::device_name, cuda::hold_field, cuda::moving_field,
+                  cuda::first_below, cuda::least_sum},
+#ifdef STANDOFF_HAVE_EMULATION
+    Algorithm2Row{testing::kEmulated, [] { return true; }, [](int) { return std::string("emulated on the CPU"); },
+                  emulated::hold_field, emulated::moving_field, emulated::first_below, emulated::least_sum},
+#endif
+};
+
+}  // namespace
+
+const Algorithm2Row& find_algorithm_2(Backend backend) {
+  const Backend wanted = backend == Backend::automatic ? Backend::cpu : backend;
+  for (const Algorithm2Row& row : kAlgorithm2Rows)
+    if (row.backend == wanted && row.available()) return row;
+  throw_if_missing(backend, "collide");
+  // The CPU is always there, and the execution was checked before.
+  throw Error(ErrorCode::internal, "collide: no row for this device; this is a bug in standoff, please report it");
+}
+
+}  // namespace standoff::thesis
