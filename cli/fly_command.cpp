@@ -41,6 +41,7 @@ constexpr const char* kWatchGroup = "Watching";
 constexpr const char* kFlyExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
   standoff fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
+  standoff fly --mode thesis --recompute --device cuda         the thesis's animation: a field at every step, on a GPU
   standoff fly --flies 1000 --steps 1000 --json                many at once
   standoff fly --speed 0.2 --steps 600 -o fly.html             a page that plays the flight; -o fly.mp4: a video
 )";
@@ -155,6 +156,7 @@ struct FlyCommand {
   void run();
   void watch(const Body& maze, const Body& flier);
   void record(const Body& maze, const Body& flier);
+  Json json_flight(const World& world) const;
 };
 
 void FlyCommand::check_mode() const {
@@ -202,17 +204,25 @@ void FlyCommand::record(const Body& maze, const Body& flier) {
               counted(collisions, "collision") + ", " + counted(crossings, "wall crossing") + ", " +
               bytes_text(film.bytes()));
   if (!console.json()) return;
-  Json json = json_answer("fly");
-  json["mode"] = fly::name_of(options.mode);
-  json["steps"] = steps;
-  json["flies"] = flies;
-  json["speed"] = options.speed;
-  json["seed"] = options.seed;
+  Json json = json_flight(flight.world());
   json["frames"] = frames.size();
   json["collisions"] = collisions;
   json["wall_crossings"] = options.check ? Json(crossings) : Json();
   json["output"] = {{"file", film.path().string()}, {"bytes", film.bytes()}};
   print(json, film.path());
+}
+
+Json FlyCommand::json_flight(const World& world) const {
+  Json json = json_answer("fly");
+  json["mode"] = fly::name_of(options.mode);
+  json["recompute"] = options.recompute;
+  json["device"] = name_of(world.backend());
+  json["device_name"] = world.device_name();
+  json["steps"] = steps;
+  json["flies"] = flies;
+  json["speed"] = options.speed;
+  json["seed"] = options.seed;
+  return json;
 }
 
 void FlyCommand::run() {
@@ -232,7 +242,9 @@ void FlyCommand::run() {
   std::mutex adding;
   double seconds = 0;
   std::int64_t collisions = 0, crossings = 0;
-  Grid grid;
+  Grid grid, fly_grid;
+  Json json;
+  std::string where;
   {
     const Cancellable cancellable;
     options.progress = console.progress();
@@ -252,6 +264,10 @@ void FlyCommand::run() {
     world.run(steps, visit);
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (const fly::Flier& it : world.fliers()) collisions += it.collisions, crossings += it.crossings;
+    fly_grid = world.flier_grid();
+    json = json_flight(world);
+    if (world.backend() != Backend::cpu)
+      where = std::string(" on ") + name_of(world.backend()) + " (" + world.device_name() + ")";
   }
   options.progress = nullptr;
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
@@ -260,25 +276,20 @@ void FlyCommand::run() {
     write_path(path.path(), points, path.existing());
   }
   const double rate = static_cast<double>(steps * flies) / std::max(seconds, 1e-9);
-  const bool thesis = options.mode == FlightMode::thesis;
   const auto tell = [this](const auto& what) { path.given() ? print(what, path.path()) : print(what); };
   if (console.json()) {
-    Json json = json_answer("fly");
-    json["mode"] = thesis ? "thesis" : "sweep";
-    json["steps"] = steps;
-    json["flies"] = flies;
-    json["speed"] = options.speed;
-    json["seed"] = options.seed;
     json["seconds"] = {{"run", seconds}};
     json["steps_per_second"] = rate;
     json["collisions"] = collisions;
     json["wall_crossings"] = options.check ? Json(crossings) : Json();
     json["grid"] = json_grid(grid);
+    json["fly_grid"] = json_grid(fly_grid);
     if (path.given()) json["output"] = json_output(path.path());
     return tell(json);
   }
   tell(counted(steps, "step") + (flies > 1 ? " of each of " + grouped(flies) + " flies" : "") + ", " + number(rate) +
-       " a second" + (flies > 1 ? " in all" : "") + "; grid " + size_text(grid.size) + "\n" +
+       " a second" + (flies > 1 ? " in all" : "") + where + "; grid " + size_text(grid.size) +
+       (options.recompute ? ", the fly's at each step anew, " + size_text(fly_grid.size) : "") + "\n" +
        counted(collisions, "collision") + (options.check ? ", " + counted(crossings, "wall crossing") : "") + "\n");
 }
 
@@ -335,6 +346,11 @@ void add_fly(CLI::App& program) {
   it->of_thesis.push_back(add("--threshold", "D",
                               "with --mode thesis: of the sum of two values (default: the larger spacing)",
                               kThesisGroup, [&options](S o, S t) { options.threshold = parse_positive(o, t); }));
+  it->of_thesis.push_back(
+      verb->add_flag("--recompute", options.recompute,
+                     "with --mode thesis: compute the fly's field anew at each step,\nas the thesis does")
+          ->group(kThesisGroup));
+  it->of_thesis.push_back(add_device(*verb, kThesisGroup, options.backend, options.device));
   verb->callback([command] { command->run(); });
 }
 

@@ -58,6 +58,7 @@ class Flight {
   std::int64_t advance(double seconds, std::int64_t most_steps);
   void run(std::int64_t steps);
   FlightFrame frame();
+  const World& world() const { return world_; }
 
  private:
   World world_;

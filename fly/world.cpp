@@ -9,11 +9,13 @@
 #include <atomic>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/hashes.h"
@@ -32,30 +34,36 @@ namespace standoff::fly {
 
 // All that a world holds.
 struct World::State {
+  // The moving body's field, for Algorithm 2, where the body is at a pose; and the pose of the field.
+  using FieldAt = std::function<std::pair<ThesisField, Pose>(const Pose& pose)>;
+
   struct Resting {
     Body model;
     Pose pose;
-    double tolerance;                    // of sweeps; fliers start twice as far away
-    std::optional<DistanceField> field;  // thesis mode
+    double tolerance;                  // of sweeps; fliers start twice as far away
+    std::optional<ThesisField> field;  // thesis mode
     std::optional<CrossingCheck> check;
     std::optional<MeshQuery> query;  // of the model's mesh, once distances were asked for
   };
 
   Body flier;
   FlightOptions options;
-  std::vector<Resting> resting;
-  std::vector<Flier> fliers;
-  std::optional<DistanceField> field;  // of the flier, in thesis mode
-  std::vector<Vec3> marks;             // the points whose paths are checked
+  std::vector<Resting> resting = {};
+  std::vector<Flier> fliers = {};
+  FieldAt field_at = {};  // in thesis mode
+  Backend backend = Backend::cpu;
+  std::string device_name = {};
+  std::vector<Vec3> marks = {};  // the points whose paths are checked
 
   // Compute what the options need of the moving body and of a resting one. An existing check is kept.
   void prepare();
   void prepare(Resting& body) const;
-  DistanceField thesis_field(const Body& model) const;
+  Execution execution() const;
+  ThesisField thesis_field(const Body& model) const;
 
   void step(Flier& it) const;
   bool leaves_bounds(const Pose& pose) const;
-  bool thesis_hit(const Resting& body, const Pose& at) const;
+  bool thesis_hit(const Pose& at) const;
   bool thesis_step(Flier& it, const Pose& next) const;
   bool sweep_step(Flier& it, Pose& next) const;
 };
@@ -80,24 +88,41 @@ void check_options(const FlightOptions& o) {
 
 }  // namespace
 
-DistanceField World::State::thesis_field(const Body& model) const {
+// A flight runs in an arena of its own, whose threads Algorithm 1 takes.
+Execution World::State::execution() const { return {.backend = options.backend, .device = options.device}; }
+
+ThesisField World::State::thesis_field(const Body& model) const {
   const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
   ComputeOptions compute_options;
   compute_options.sign = {SignMethod::none};
   compute_options.execution.threads = options.threads;
-  return compute(model.mesh(), grid, options.thickness, compute_options).field;
+  return ThesisField(compute(model.mesh(), grid, options.thickness, compute_options).field, execution());
 }
 
 void World::State::prepare() {
-  field.reset();
-  if (options.mode == FlightMode::thesis) field = thesis_field(flier);
   if (options.check && marks.empty()) marks = outermost_points(flier.mesh());
+  const auto take = [this](const auto& fields, FieldAt made) {
+    backend = fields.backend();
+    device_name = fields.device_name();
+    field_at = std::move(made);
+  };
+  if (options.mode != FlightMode::thesis) {
+    field_at = nullptr;
+    backend = Backend::cpu;
+    device_name.clear();
+  } else if (options.recompute) {
+    const MinimumField anew(flier.mesh(), options.thickness, options.minimum, options.speed, execution());
+    take(anew, [anew](const Pose& pose) { return std::pair(anew.at(pose), Pose()); });
+  } else {
+    const ThesisField once = thesis_field(flier);
+    take(once, [once](const Pose& pose) { return std::pair(once, pose); });
+  }
 }
 
 void World::State::prepare(Resting& body) const {
   body.tolerance = options.tolerance > 0 ? options.tolerance : automatic_tolerance(body.model, flier);
   body.field.reset();
-  if (options.mode == FlightMode::thesis) body.field = thesis_field(body.model);
+  if (options.mode == FlightMode::thesis) body.field.emplace(thesis_field(body.model));
   if (options.check && !body.check) body.check.emplace(body.model.mesh(), body.pose);
 }
 
@@ -149,7 +174,8 @@ void World::wall_distances(std::span<double> out) {
 namespace {
 
 constexpr int kTries = 10'000;
-// Steps of one flier between two reports of progress.
+// Steps of one flier between two reports of progress, if a step is short: the CPU takes microseconds for it. Else it
+// reports after each.
 constexpr std::int64_t kStepsAtOnce = 1000;
 
 // Numbers in [0, 1) from a state of 64 bits.
@@ -177,20 +203,21 @@ Vec3 scattered(Vec3 direction, double angle_rad, std::uint64_t& state) {
 
 }  // namespace
 
-bool World::State::thesis_hit(const Resting& body, const Pose& at) const {
-  const double spacing = std::max(body.field->grid().max_spacing(), field->grid().max_spacing());
-  const double threshold = options.threshold > 0 ? options.threshold : spacing;
-  return collide_thesis(*body.field, body.pose, *field, at, threshold).hit;
+bool World::State::thesis_hit(const Pose& at) const {
+  const auto [mine, pose] = field_at(at);
+  const double spacing = mine.grid().max_spacing();
+  return std::ranges::any_of(resting, [&, &mine = mine, &pose = pose](const Resting& body) {
+    const double threshold =
+        options.threshold > 0 ? options.threshold : std::max(body.field->grid().max_spacing(), spacing);
+    return collide_thesis(*body.field, body.pose, mine, pose, threshold).hit;
+  });
 }
 
 // True where the flier collides at `next`; it then stays where it is.
 bool World::State::thesis_step(Flier& it, const Pose& next) const {
-  for (const Resting& body : resting) {
-    if (!thesis_hit(body, next)) continue;
-    it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
-    return true;
-  }
-  return false;
+  if (!thesis_hit(next)) return false;
+  it.direction = scattered(it.direction * -1.0, options.scatter_rad, it.seed);
+  return true;
 }
 
 // True where the flier touches something before `next`, which then becomes the pose where it stops: the tolerance short
@@ -225,7 +252,7 @@ void World::State::step(Flier& it) const {
     ++it.turns;
     return;
   }
-  if (options.mode == FlightMode::thesis) {
+  if (field_at) {
     if (thesis_step(it, next)) {
       ++it.collisions;
       return;
@@ -242,7 +269,7 @@ void World::State::step(Flier& it) const {
   it.pose = next;
 }
 
-World::World(const Body& flier, const FlightOptions& options) : state_(new State{flier, options, {}, {}, {}, {}}) {
+World::World(const Body& flier, const FlightOptions& options) : state_(new State{flier, options}) {
   check_options(options);
   state_->prepare();
 }
@@ -271,9 +298,8 @@ void World::add_flier(const Box& box) {
     for (const auto& body : state_->resting)
       free = free && !collide(body.model, body.pose, state_->flier, it.pose, {.margin = 2 * body.tolerance}).hit();
     // Nor where the thesis's test would report a collision at every step.
-    for (const auto& body : state_->resting)
-      free = free && (state_->options.mode != FlightMode::thesis || !state_->thesis_hit(body, it.pose));
     if (!free) continue;
+    if (state_->field_at && Threads(state_->options.threads).run([&] { return state_->thesis_hit(it.pose); })) continue;
     it.direction = random_direction(it.seed);
     state_->fliers.push_back(it);
     return;
@@ -291,6 +317,8 @@ void World::run(std::int64_t steps, const Visit& visit) {
   std::atomic<bool> cancelled{false};
   std::mutex telling;
   const double all = static_cast<double>(steps) * static_cast<double>(state.fliers.size());
+  const bool short_steps = !state.field_at || (!state.options.recompute && state.backend == Backend::cpu);
+  const std::int64_t at_once = short_steps ? kStepsAtOnce : 1;
   const auto fly = [&](std::size_t n) {
     Flier& it = state.fliers[n];
     if (visit) visit(n, 0, it.pose);
@@ -298,8 +326,8 @@ void World::run(std::int64_t steps, const Visit& visit) {
       const std::int64_t before = it.collisions + it.turns;
       state.step(it);
       if (visit && (it.collisions + it.turns != before || k + 1 == steps)) visit(n, k + 1, it.pose);
-      if ((k + 1) % kStepsAtOnce != 0 && k + 1 != steps) continue;
-      done += k % kStepsAtOnce + 1;
+      if ((k + 1) % at_once != 0 && k + 1 != steps) continue;
+      done += k % at_once + 1;
       if (!state.options.progress) continue;
       if (const std::unique_lock lock(telling, std::try_to_lock); lock && !cancelled)
         cancelled = !state.options.progress({"fly", static_cast<double>(done) / all});
@@ -316,6 +344,15 @@ Grid World::grid(std::size_t n) const {
   const State::Resting& body = state_->resting[n];
   return body.field ? body.field->grid() : body.model.grid();
 }
+
+Grid World::flier_grid() const {
+  if (!state_->field_at) return state_->flier.grid();
+  const Pose& pose = state_->fliers.empty() ? Pose{} : state_->fliers[0].pose;
+  return state_->field_at(pose).first.grid();
+}
+
+Backend World::backend() const { return state_->backend; }
+std::string World::device_name() const { return state_->device_name; }
 
 namespace {
 

@@ -8,9 +8,11 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "standoff/collision.h"
+#include "standoff/execution.h"
 #include "standoff/existing.h"
 #include "standoff/mesh.h"
 #include "standoff/pose.h"
@@ -40,6 +42,11 @@ struct FlightOptions {
   double thickness = 2;  ///< thesis mode: the thickness of both fields
   double minimum = 2;    ///< thesis mode: the parameter e of minimum_grid() in standoff/thesis.h
   double threshold = 0;  ///< thesis mode: the threshold of the sum; 0: the larger spacing of the two grids
+  /// Thesis mode: a moving body's field is computed anew at each step, on the minimum grid of its box there, by
+  /// Algorithm 1; else its field is computed once and moves with it.
+  bool recompute = false;
+  Backend backend = Backend::automatic;  ///< thesis mode: where it tests and recomputes; automatic: on the CPU
+  int device = 0;                        ///< thesis mode: as in Execution
   std::uint64_t seed = 1;
   int threads = 0;    ///< as in Execution
   bool check = true;  ///< count wall crossings by the independent check
@@ -97,6 +104,12 @@ class World {
 
   /// The grid of the n-th resting body: in thesis mode that of its field, in sweep mode that of its body.
   Grid grid(std::size_t n) const;
+  /// The grid of the moving bodies' field: in thesis mode that of Algorithm 2, where it is recomputed that of the first
+  /// moving body, or of one at the origin; in sweep mode that of the body.
+  Grid flier_grid() const;
+  /// Where contacts are found: in thesis mode where Algorithm 2 runs, in sweep mode on the CPU, which has no name.
+  Backend backend() const;
+  std::string device_name() const;
 
  private:
   struct State;

@@ -133,6 +133,36 @@ TEST_F(CollisionVerbs, Fly) {
   EXPECT_EQ(read_bytes(folder / "a.csv"), read_bytes(folder / "b.csv"));
 }
 
+// The names of devices are those of compute; the flight is the same on each.
+TEST_F(CollisionVerbs, FlyTakesADeviceAndRecomputes) {
+  const std::string line =
+      "fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 60 --speed 1 --mode thesis --json ";
+  EXPECT_EQ(done(words(line)).json()["device"], "cpu");
+  for (const std::string how : {"", "--recompute "}) {
+    const Json one = done(words(line + how + "--device cpu --path one.csv -f")).json(),
+               two = done(words(line + how + "--device emulated --path two.csv -f")).json();
+    EXPECT_EQ(one["device"], "cpu");
+    EXPECT_EQ(one["device_name"], "");
+    EXPECT_EQ(two["device"], "emulated");
+    EXPECT_EQ(two["device_name"], "emulated on the CPU");
+    EXPECT_EQ(one["recompute"], !how.empty());
+    EXPECT_EQ(one["fly_grid"], two["fly_grid"]);
+    EXPECT_GT(one["collisions"], 0);
+    EXPECT_EQ(read_bytes(folder / "one.csv"), read_bytes(folder / "two.csv"));
+  }
+  const std::string said = done(words("fly --fly scene:box --labyrinth scene:labyrinth:20000 --steps 3 --mode thesis "
+                                      "--recompute --device emulated"))
+                               .out;
+  EXPECT_NE(
+      said.find(" a second on emulated (emulated on the CPU); grid 147 x 14 x 142, the fly's at each step anew, "),
+      std::string::npos)
+      << said;
+  // Films as well.
+  const Json film = done(words(line + "--recompute -o film.html")).json();
+  EXPECT_EQ(film["recompute"], true);
+  EXPECT_EQ(film["frames"], 61);
+}
+
 TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   const auto expect = [this](const std::string& line, int code, const std::string& part) {
     const Ran ran = run(words(line));
@@ -194,6 +224,9 @@ TEST_F(CollisionVerbs, FlyTakesNoOptionOfTheOtherMode) {
   };
   for (const std::string option : {"--minimum", "--thickness", "--threshold"})
     expect("fly " + option + " 3", option + ": only --mode thesis knows it; leave it out");
+  expect("fly --recompute", "--recompute: only --mode thesis knows it; leave it out");
+  expect("fly --device cuda", "--device: only --mode thesis knows it; leave it out");
+  expect("fly --mode thesis --device gpu", "--device 'gpu': give ");
   expect("fly --mode thesis --tolerance 0.1", "--tolerance: only --mode sweep knows it; leave it out");
   expect("fly --mode thesis --on-contact reflect", "--on-contact 'reflect': --mode thesis knows no normals");
   expect("fly -f", "--force needs --path");

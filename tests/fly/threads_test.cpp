@@ -28,6 +28,25 @@ TEST(Fly, RepeatsWithItsSeedOnAnyNumberOfThreads) {
   }
 }
 
+TEST(Fly, RecomputesTheSameFieldsOnAnyNumberOfThreads) {
+  FlightOptions options;
+  options.mode = FlightMode::thesis;
+  options.thickness = 0.5;
+  options.recompute = true;
+  options.speed = 0.3;
+  options.threads = 1;
+  const Flown one = flown(options, 40, 6);
+  options.threads = 4;
+  const Flown four = flown(options, 40, 6);
+  std::int64_t collisions = 0;
+  for (std::size_t n = 0; n < one.fliers.size(); ++n) {
+    EXPECT_EQ(one.fliers[n].pose, four.fliers[n].pose);
+    EXPECT_EQ(one.fliers[n].collisions, four.fliers[n].collisions);
+    collisions += one.fliers[n].collisions;
+  }
+  EXPECT_GT(collisions, 5);
+}
+
 TEST(Fly, ProgressIsToldByOneThreadAtATimeAndStops) {
   FlightOptions options;
   options.speed = 0.3;

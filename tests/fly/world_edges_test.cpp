@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "standoff/cuda.h"
 #include "tests/api/misuse.h"
 #include "tests/fly/room.h"
 #include "tests/support/temp_folder.h"
@@ -37,6 +38,18 @@ TEST(World, RefusesWhatMakesNoSense) {
   }
   EXPECT_EQ(code_with(&FlightOptions::tolerance, -1.0), ErrorCode::usage);
   EXPECT_EQ(code_with(&FlightOptions::threads, -1), ErrorCode::usage);
+  FlightOptions thesis;
+  thesis.mode = FlightMode::thesis;
+  thesis.device = -1;
+  EXPECT_EQ(code_of([&] { World world(ball(), thesis); }), ErrorCode::usage);
+  thesis.device = 0;
+  thesis.backend = Backend::cuda;
+  for (thesis.recompute = false;; thesis.recompute = true) {
+    if (cuda::devices().empty()) {
+      EXPECT_EQ(code_of([&] { World world(ball(), thesis); }), ErrorCode::device);
+    }
+    if (thesis.recompute) break;
+  }
   World world(ball(), {});
   Pose bad;
   bad.rotation[0] = nan;

@@ -5,6 +5,8 @@
 #include "fly/crossing_check.h"
 #include "fly/world.h"
 #include "io/points/points.h"
+#include "standoff/compute.h"
+#include "standoff/thesis.h"
 #include "tests/collision/bodies.h"
 #include "tests/fly/room.h"
 #include "tests/support/temp_folder.h"
@@ -61,6 +63,47 @@ TEST(Fly, TheThesisMissesWhatIsFast) {
   EXPECT_GT(total(slow, &Flier::collisions), 0);
   options.speed = 5;
   EXPECT_GT(total(flown(options, 200, 8), &Flier::crossings), 0);
+}
+
+// Each step is decided by a field of the body where it goes.
+TEST(Fly, RecomputesItsFieldAtEachStep) {
+  FlightOptions options;
+  options.mode = FlightMode::thesis;
+  options.thickness = 0.5;
+  options.speed = 0.3;
+  options.recompute = true;
+  options.threshold = 0.2;
+  const Mesh walls = room(), ball = ball_mesh(0.3, 3);
+  World world(Body(ball), options);
+  world.add(Body(walls));
+  world.add_flier({{0.5, 0.5, 0.5}, {9.5, 3.5, 5.5}});
+  const auto field_of = [&](const Mesh& mesh, Method method) {
+    const Grid grid = minimum_grid(bounds(mesh), options.thickness, options.minimum, options.speed);
+    return compute(mesh, grid, options.thickness,
+                   {.method = method, .skip = {SkipRule::Kind::none}, .sign = {SignMethod::none}})
+        .field;
+  };
+  const DistanceField of_walls = field_of(walls, Method::tiles);
+  EXPECT_EQ(world.grid(0), of_walls.grid());
+  int collisions = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Flier before = world.fliers()[0];
+    Pose next = before.pose;
+    next.translation = next.translation + before.direction * options.speed;
+    Mesh there = ball;
+    for (Vec3& v : there.vertices) v = apply(next, v);
+    const DistanceField field = field_of(there, Method::thesis);
+    const bool hit = collide_thesis(of_walls, {}, field, {}, options.threshold).hit;
+    collisions += hit;
+    world.run(1);
+    ASSERT_EQ(world.fliers()[0].collisions, collisions) << n;
+    ASSERT_EQ(world.fliers()[0].pose, hit ? before.pose : next) << n;
+    if (!hit) {
+      EXPECT_EQ(world.flier_grid(), field.grid());
+    }
+  }
+  EXPECT_GT(collisions, 3);
+  EXPECT_LT(collisions, 150);
 }
 
 // A page asks for a pose 60 times a second, and changes what it likes in between.
