@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the documentation says of measured points, surfaces, files, sidecars and pictures: {page: what it should hold}, made from CSV
-files. quotes.py writes the pages; tests/bench/output_tables_test.py makes some."""
+"""What the documentation says of measured points, surfaces, files, sidecars, pictures and flights: {page: what it should hold}, made
+from CSV files. quotes.py writes the pages; tests/bench/output_tables_test.py makes some."""
 
 import re
 import statistics
@@ -16,7 +16,8 @@ PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "iso.csv": (AVX512, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
           "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
-          "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many")}
+          "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many"),
+          "fly_recompute.csv": (AVX512, "thesis.md", "fly recomputed"), "fly_large.csv": (AVX512, "thesis.md", "fly among millions")}
 
 
 def number(ratio):
@@ -79,12 +80,21 @@ def surfaces(rows):
     return "\n\n".join(markdown(some) for some in (table, rows) if some)
 
 
+def recomputed(rows):
+    """Flights side by side that differ in where the field was computed only."""
+    table = {}
+    for row in rows:
+        line = {key: row[key] for key in ("e", "speed", "labyrinth's grid", "samples", "fly's grid")}
+        table.setdefault(tuple(line.values()), line)[f"steps a second, {row['on']}"] = row["steps a second"]
+    return markdown(list(table.values()))
+
+
 def plain(rows):
     return markdown(rows)
 
 
 TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "render.csv": plain, "view.csv": plain, "python.csv": plain,
-          "python-many.csv": plain}
+          "python-many.csv": plain, "fly_recompute.csv": recomputed, "fly_large.csv": plain}
 
 
 def pages(read, between_markers, measured):

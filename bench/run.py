@@ -17,7 +17,8 @@
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of CSV files, written again
-  run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, and what both modes miss
+  run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, with fields that are computed at each step, what
+                         both modes miss, and the fly among millions of triangles
   run.py view            pages in a browser: size, first picture, frames a second, live fields, flights
 Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."""
 
@@ -69,7 +70,7 @@ def main():
     if arguments.what == "python":  # needs numpy
         return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
     if arguments.what == "fly":
-        return fly.run(workloads, arguments.build)
+        return fly.run(workloads, arguments.build, arguments.note)
     if arguments.what == "view":  # needs a browser
         return importlib.import_module("view").run(arguments.build, arguments.only, arguments.rounds, arguments.note)
     if arguments.what in ("collision", "terrains"):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gpu-check, collisions and points: poses decided, motions swept and nearest triangles found on this machine's GPU
-// against the CPU's answers.
+// gpu-check, collisions and points: poses decided, motions swept and nearest triangles found on this machine's GPU, and
+// the thesis's animation, against the CPU's answers.
 //
 // check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.
 // --emulated checks the check: the emulation takes the GPU's part, and no GPU is needed.
@@ -14,6 +14,7 @@
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
 #include "tests/gpu_check/check_points.h"
+#include "tests/gpu_check/check_thesis.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -109,6 +110,10 @@ int run_all(bool quick, Backend backend) {
   const auto [wrong, points] = check_points(quick, backend, quick || backend == testing::kEmulated ? 1000 : 200'000);
   faults += wrong;
   count += points;
+  const auto [wrong_thesis, cases_of_thesis] =
+      ThesisCheck(backend).run(quick, quick || backend == testing::kEmulated ? 100 : 2000);
+  faults += wrong_thesis;
+  count += cases_of_thesis;
   std::printf("%d of %d checks went wrong\n", faults, count);
   return faults == 0 ? 0 : 7;
 }
