@@ -47,7 +47,7 @@ class ThesisCheck {
     std::vector<Pose> poses;
     for (int n = 0; n < count; ++n)
       poses.push_back(make_pose(random.in_cube(1) + Vec3{0, 0, 1e-3}, random.between(0, 6.28),
-                                box.center() + box.extent() * random.in_cube(0.5)));
+                                box.center() + box.extent() * random.in_cube(0.8)));
     return poses;
   }
 
@@ -63,7 +63,7 @@ class ThesisCheck {
     const DistanceField of_resting = field_of(resting, thickness, 3), of_moving = field_of(moving, thickness, 3);
     const ThesisField a(of_resting, cpu_), b(of_moving, cpu_), gpu_a(of_resting, gpu_), gpu_b(of_moving, gpu_);
     const MinimumField anew(moving, thickness, 3, 0, cpu_), gpu_anew(moving, thickness, 3, 0, gpu_);
-    const double threshold = a.grid().max_spacing();
+    const double threshold = a.grid().max_spacing() / 4;
     int differ = 0, hits = 0;
     for (const Pose& pose : poses_in(resting, count)) {
       const auto expected = answers(a, b, pose, threshold);
