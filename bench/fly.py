@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Figure 5.5 of the thesis, rebuilt and carried on: how fast the fly flies against the samples of the grid, with a field that
-is computed once and, as in the thesis, anew at each step; what it flies through against its speed, in both modes; and how
+is computed once and with one that is computed anew at each step; what it flies through against its speed, in both modes; and how
 fast it is among millions of triangles. Uses the standoff program, and a GPU where there is one that it can use."""
 
 import json

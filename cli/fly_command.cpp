@@ -41,7 +41,7 @@ constexpr const char* kWatchGroup = "Watching";
 constexpr const char* kFlyExamples =
     R"(  standoff fly --steps 100000 --speed 0.04 --path out.csv      one fly, where it flew as a table
   standoff fly --mode thesis --minimum 3 --speed 5             Algorithm 2: watch the wall crossings
-  standoff fly --mode thesis --recompute --device cuda         the thesis's animation: a field at every step, on a GPU
+  standoff fly --mode thesis --recompute --device cuda         a new field at every step, on a GPU
   standoff fly --flies 1000 --steps 1000 --json                many at once
   standoff fly --speed 0.2 --steps 600 -o fly.html             a page that plays the flight; -o fly.mp4: a video
 )";
@@ -348,7 +348,7 @@ void add_fly(CLI::App& program) {
                               kThesisGroup, [&options](S o, S t) { options.threshold = parse_positive(o, t); }));
   it->of_thesis.push_back(
       verb->add_flag("--recompute", options.recompute,
-                     "with --mode thesis: compute the fly's field anew at each step,\nas the thesis does")
+                     "with --mode thesis: compute the fly's field anew at each step,\nby Algorithm 1")
           ->group(kThesisGroup));
   it->of_thesis.push_back(add_device(*verb, kThesisGroup, options.backend, options.device));
   verb->callback([command] { command->run(); });

@@ -81,8 +81,8 @@ STANDOFF_API ThesisCollisionResult collide_thesis(const ThesisField& a, const Po
                                                   const Pose& pose_b, double threshold);
 STANDOFF_API double thesis_sum(const ThesisField& a, const Pose& pose_a, const ThesisField& b, const Pose& pose_b);
 
-/// The minimum field of a mesh that moves, computed anew wherever it is, as in the thesis's animation. On a GPU the
-/// mesh is copied there once; then it is moved, its box is found, and its field is computed, in the GPU's memory.
+/// The minimum field of a mesh that moves, computed anew wherever it is. On a GPU the mesh is copied there once; then
+/// it is moved, its box is found, and its field is computed, in the GPU's memory.
 class STANDOFF_API MinimumField {
  public:
   /// `thickness`, `e` and `speed`: as for minimum_grid(). Copies the mesh. Backend::automatic is the CPU. Errors: input
