@@ -90,6 +90,8 @@ void for_each_stored(const DistanceField& field, Use use) {
 // Calls use(index of the sample, sum) for each sample that has a sum, until it returns false.
 template <class Use>
 void for_each_sum(const Algorithm2Job& job, Use use) {
+  // A field without tiles has no value; an empty one has not even slots.
+  if (field_of(job.visited).stored_tiles() == 0 || field_of(job.other).stored_tiles() == 0) return;
   const thesis::PosedField visited = job.visited.at(job.of_visited), other = job.other.at(job.of_other);
   const Values values(field_of(job.other));
   for_each_stored(field_of(job.visited), [&](std::int64_t i, std::int64_t j, std::int64_t k, float value) {

@@ -65,6 +65,8 @@ TEST(Misuse, QueriesAtAnyPose) {
     const DistanceField none;
     expect_answer_or_error("collide_thesis", [&] { collide_thesis(none, pose, none, {}, 1); });
     expect_answer_or_error("thesis_sum", [&] { thesis_sum(none, {}, none, pose); });
+    expect_answer_or_error("ThesisField", [&] { thesis_sum(ThesisField(none), pose, ThesisField(none), {}); });
+    expect_answer_or_error("MinimumField", [&] { MinimumField(one_triangle(), 1).at(pose); });
   }
 }
 
@@ -81,6 +83,10 @@ TEST(Misuse, OptionsOfQueries) {
     expect_answer_or_error(name, [&] { sweep(body(), {}, body(), {motion.start, motion.end, {x, x, 0}}); });
     const DistanceField none;
     expect_answer_or_error(name, [&] { collide_thesis(none, {}, none, {}, x); });
+    expect_answer_or_error(name, [&] { collide_thesis(ThesisField(none), {}, ThesisField(none), {}, x); });
+    expect_answer_or_error(name, [&] { MinimumField(one_triangle(), x); });
+    expect_answer_or_error(name, [&] { MinimumField(one_triangle(), 1, x); });
+    expect_answer_or_error(name, [&] { MinimumField(one_triangle(), 1, 2, x); });
   }
   for (const std::int64_t n : kCounts)
     expect_answer_or_error(named("most", n), [&] { contacts(body(), {}, body(), {}, {.most = n}); });
@@ -100,6 +106,8 @@ TEST(Misuse, Batches) {
     expect_usage(name, [&] { contacts_all(body(), {}, body(), poses, {}, execution); });
     expect_usage(name, [&] { sweep_all(body(), {}, body(), motions, {}, execution); });
     expect_usage(name, [&] { Body(one_triangle(), {.execution = execution}); });
+    expect_usage(name, [&] { ThesisField(DistanceField(), execution); });
+    expect_usage(name, [&] { MinimumField(one_triangle(), 1, 2, 0, execution); });
   }
   for (const Backend backend : {Backend::cuda, testing::kEmulated}) {
     const Execution elsewhere{.backend = backend};

@@ -136,6 +136,7 @@ TEST(Algorithm2, GridsOfAnySize) {
        {Size3{1, 1, 1}, Size3{1, 9, 1}, Size3{8, 8, 8}, Size3{9, 7, 8}, Size3{17, 1, 3}, Size3{4, 5, 19}})
     fields.push_back(noise(size, 1 + 0.1 * double(fields.size())));
   fields.push_back(DistanceField({{12, 3, 9}, {-1, -1, -1}, {0.2, 0.6, 0.2}}, 0.5));  // without a value
+  fields.push_back(DistanceField());                                                  // not even a tile of them
   Tally tally;
   for (std::size_t a = 0; a < fields.size(); ++a)
     for (std::size_t b = 0; b < fields.size(); ++b) {
