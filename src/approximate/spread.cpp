@@ -16,6 +16,7 @@
 #include "approximate/propagate.h"
 #include "core/memory.h"
 #include "thesis/thesis.h"
+#include "thesis/thesis_distance.h"
 
 namespace standoff::cpu {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "core/progress.h"
 #include "standoff/compute.h"
+#include "standoff/error.h"
 #include "standoff/field.h"
 
 namespace standoff {
@@ -127,7 +128,11 @@ struct BackendRow {
 };
 
 /// Throws Error{input}: the method begins at samples near the surface, and there are none.
-[[noreturn]] void throw_no_seeds();
+[[noreturn]] inline void throw_no_seeds() {
+  throw Error(ErrorCode::input,
+              "compute: the method found no sample near the surface, so that it has nothing to begin with; take a grid "
+              "around the mesh, or the method tiles");
+}
 
 /// The row for a job of this size; Backend::automatic takes a GPU if there is one and the job is large enough for it.
 /// Throws Error{device} if no row fits.

@@ -53,12 +53,6 @@ void check_slab_samples(std::int64_t samples) {
                 "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
 }
 
-void throw_no_seeds() {
-  throw Error(ErrorCode::input,
-              "compute: the method found no sample near the surface, so that it has nothing to begin with; take a grid "
-              "around the mesh, or the method tiles");
-}
-
 SkipRule effective_rule(const ComputeOptions& options) {
   if (options.skip.kind != SkipRule::Kind::automatic) return options.skip;
   return {options.method == Method::thesis ? SkipRule::Kind::neighbour : SkipRule::Kind::none, 1};

@@ -22,12 +22,6 @@ namespace standoff {
 
 namespace {
 
-constexpr double kLeastSpacing = 0x1p-110, kLargestSpacing = 0x1p100;
-constexpr double kMostUneven = 0x1p60;  // the largest spacing to the least
-
-bool is_moderate(double spacing) { return spacing >= kLeastSpacing && spacing <= kLargestSpacing; }
-bool is_even(Vec3 h) { return std::min({h.x, h.y, h.z}) >= std::max({h.x, h.y, h.z}) / kMostUneven; }
-
 void check_spacing(const Grid& grid) {
   if (!is_moderate(grid.max_spacing()))
     throw Error(ErrorCode::limit, "compute: the spacing is " + std::to_string(std::ilogb(grid.max_spacing())) +
@@ -44,8 +38,6 @@ constexpr const char* kTooFar =
 
 FloatRange::FloatRange(const Grid& grid)
     : center_(grid.bounds().center()), farthest_(std::min(0x1p60 * grid.max_spacing(), 0x1p125)) {}
-
-bool has_float_spacing(const Grid& grid) { return is_moderate(grid.max_spacing()) && is_even(grid.spacing); }
 
 void check_domain(MeshView mesh, const Grid& grid) {
   check_spacing(grid);

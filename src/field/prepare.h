@@ -2,6 +2,7 @@
 // The step before the backend: validates the mesh, checks memory and the range of float, applies the skip rule.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -37,8 +38,10 @@ class FloatRange {
   double farthest_;
 };
 
-/// Whether the grid's spacings are within the limits of check_domain().
-bool has_float_spacing(const Grid& grid);
+/// Whether the grid's spacings are within the limits of check_domain(): the largest one, and it beside the least.
+inline bool is_moderate(double spacing) { return spacing >= 0x1p-110 && spacing <= 0x1p100; }
+inline bool is_even(Vec3 h) { return std::min({h.x, h.y, h.z}) >= std::max({h.x, h.y, h.z}) / 0x1p60; }
+inline bool has_float_spacing(const Grid& grid) { return is_moderate(grid.max_spacing()) && is_even(grid.spacing); }
 
 /// Backends compute squared distances in float, in units of the spacing. Throws Error{limit} if these, or the distances
 /// in world units, would not be normal floats: the mesh reaches farther than 2^60 spacings or 2^125 units from the
