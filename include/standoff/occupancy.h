@@ -15,7 +15,7 @@
 namespace standoff {
 
 /// One bit per sample of a grid: 1 inside, 0 outside.
-struct Occupancy {
+struct STANDOFF_API Occupancy {
   Grid grid;
   /// Rows along x, one after the other, y before z. Each row begins with a new byte, and has its first sample in the
   /// lowest bit; the bits after its last sample are 0. numpy.unpackbits(bits, bitorder="little") gives the samples.
@@ -29,7 +29,7 @@ struct Occupancy {
     return (bits[static_cast<std::size_t>(byte)] >> (i % 8) & 1) != 0;
   }
   /// How many samples are inside. Times the volume of a voxel, the solid's volume, nearly.
-  STANDOFF_API std::int64_t count() const;
+  std::int64_t count() const;
 };
 
 struct OccupancyOptions {
