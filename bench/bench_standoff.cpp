@@ -23,6 +23,7 @@ enum class Output {
 struct Settings {
   Output output = Output::sparse;
   Method method = Method::tiles;
+  SignMethod sign = SignMethod::none;
   SkipRule skip;
   Simd simd = Simd::automatic;
 };
@@ -31,7 +32,7 @@ class Job {
  public:
   Job(const Workload& work, const Settings& settings) : work_(work), output_(settings.output) {
     options_.method = settings.method;
-    options_.sign = {SignMethod::none};
+    options_.sign = {settings.sign};
     options_.skip = settings.skip;
     options_.execution.threads = work.threads;
     options_.execution.simd = settings.simd;
@@ -66,7 +67,8 @@ class Job {
 nlohmann::json run(const Workload& work, const Settings& settings) {
   Job job(work, settings);
   bench::Measured measured;
-  const ComputeReport report = bench::measure(work.repeats, measured, [&] { return job(); });
+  const ComputeReport report = bench::measure(
+      work.repeats, measured, [&] { return job(); }, work.enough);
 
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
@@ -76,12 +78,14 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   line["output"] = settings.output == Output::sparse ? "sparse" : "dense";
   line["output_bytes"] = job.output_bytes();
   line["mesh_bytes"] = work.mesh.vertices.size() * sizeof(Vec3) + work.mesh.triangles.size() * sizeof(Triangle);
+  line["sign"] = name_of(report.sign.method);
   line["skipped"] = report.skipped;
   line["samples_examined"] = report.samples_examined;
   line["samples_band"] = report.samples_band;
   line["prepare_s"] = report.seconds.prepare;
   line["compute_s"] = report.seconds.compute;
   measured.write(line);
+  if (!work.values.empty()) bench::save_values(work, job.to_dense());
   if (work.check) line["check"] = bench::compare_with_exact(work, job.to_dense());
   return line;
 }
@@ -94,6 +98,9 @@ int main(int argc, char** argv) {
   Settings settings;
   std::map<std::string, Method> methods;
   for (const MethodInfo& info : kComputeMethods) methods[info.name] = info.method;
+  std::map<std::string, SignMethod> signs;
+  for (const SignMethodInfo& info : kSignMethods)
+    if (info.method != SignMethod::shell) signs[info.name] = info.method;
   const std::map<std::string, Simd> simds{
       {"automatic", Simd::automatic}, {"portable", Simd::portable}, {"avx2", Simd::avx2}, {"avx512", Simd::avx512}};
   const std::map<std::string, Output> outputs{{"sparse", Output::sparse}, {"dense", Output::dense}};
@@ -104,7 +111,9 @@ int main(int argc, char** argv) {
   app.add_option("--output", settings.output, "sparse or dense, into the same memory at each call")
       ->transform(CLI::CheckedTransformer(outputs));
   app.add_option("--skip", settings.skip.kind, "skip rule")->transform(CLI::CheckedTransformer(skips));
-  app.add_option("--method", settings.method, "tiles or thesis")->transform(CLI::CheckedTransformer(methods));
+  app.add_option("--method", settings.method, "of standoff/compute.h")->transform(CLI::CheckedTransformer(methods));
+  app.add_option("--sign", settings.sign, "of standoff/sign.h (default: none)")
+      ->transform(CLI::CheckedTransformer(signs));
   app.add_option("--simd", settings.simd, "instruction set")->transform(CLI::CheckedTransformer(simds));
   return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, settings); });
 }

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "raw.h"
 #include "standoff/compute.h"
 #include "workload.h"
 
@@ -22,6 +23,11 @@ inline std::vector<float> exact_field(const Workload& work) {
   options.execution.threads = work.threads;
   compute_into(work.mesh, work.grid, work.thickness, values, options);
   return values;
+}
+
+/// Writes the values where the workload asks for them.
+inline void save_values(const Workload& work, std::span<const float> values) {
+  if (!work.values.empty()) write_raw(work.values, values.data(), values.size());
 }
 
 /// Counts the band samples of both fields, and measures the errors of `values` (clamped to the thickness).

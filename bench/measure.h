@@ -58,17 +58,20 @@ struct Measured {
   }
 };
 
-/// Calls `job` `repeats` times and returns its last result. Results are freed between calls, outside the timing.
+/// Calls `job` `repeats` times and returns its last result. Results are freed between calls, outside the timing. After
+/// `enough` seconds there is no further call, unless it is 0.
 template <class Job>
-auto measure(int repeats, Measured& measured, Job&& job) {
+auto measure(int repeats, Measured& measured, Job&& job, double enough = 0) {
   std::optional<decltype(job())> result;
+  double spent = 0;
   forget_peak();
   measured.bytes_before = process_bytes("VmRSS");
-  for (int call = 0; call < repeats; ++call) {
+  for (int call = 0; call < repeats && !(enough > 0 && spent > enough); ++call) {
     result.reset();
     const auto start = std::chrono::steady_clock::now();
     result.emplace(job());
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    spent += seconds;
     if (call == 0) {
       measured.cold = seconds;
       measured.bytes_peak = process_bytes("VmHWM");

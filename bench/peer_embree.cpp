@@ -122,14 +122,17 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
 
   std::vector<double> build_seconds;
   standoff::bench::Measured measured;
-  standoff::bench::measure(work.repeats, measured, [&] {
-    const auto start = std::chrono::steady_clock::now();
-    const RTCScene scene = build(device, mesh, quality);
-    build_seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    query_all(scene, mesh, work, values.get(), settings.cull);
-    rtcReleaseScene(scene);
-    return 0;
-  });
+  standoff::bench::measure(
+      work.repeats, measured,
+      [&] {
+        const auto start = std::chrono::steady_clock::now();
+        const RTCScene scene = build(device, mesh, quality);
+        build_seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        query_all(scene, mesh, work, values.get(), settings.cull);
+        rtcReleaseScene(scene);
+        return 0;
+      },
+      work.enough);
   rtcReleaseDevice(device);
 
   nlohmann::json line = work.describe();
@@ -139,6 +142,7 @@ nlohmann::json run(const Workload& work, const Settings& settings) {
   line["output_bytes"] = samples * sizeof(float);
   line["build_s"] = standoff::bench::median(build_seconds);
   measured.write(line);
+  standoff::bench::save_values(work, {values.get(), samples});
   if (work.check) line["check"] = standoff::bench::compare_with_exact(work, {values.get(), samples});
   return line;
 }

@@ -86,6 +86,8 @@ WorkloadOptions::WorkloadOptions(CLI::App& app) {
   app.add_flag("--full", full_, "a full field: no thickness");
   app.add_option("--threads", threads_);
   app.add_option("--repeats", repeats_, "calls in this process, the first one cold")->check(CLI::PositiveNumber);
+  app.add_option("--enough", enough_, "no further call after so many seconds");
+  app.add_option("--values", values_, "write the values to this file afterwards: raw floats, x fastest");
   app.add_flag("--check", check_, "compare the result with another method's afterwards");
 }
 
@@ -95,7 +97,9 @@ Workload WorkloadOptions::make() const {
   work.mesh = scene_.empty() ? read_mesh(mesh_).mesh : scenes::make(scene_, triangles_);
   work.threads = threads_;
   work.repeats = repeats_;
+  work.enough = enough_;
   work.check = check_;
+  work.values = values_;
   const double margin = margin_ ? *margin_ : full_ ? 0 : thickness_;
   work.thickness = thickness_;
   if (size_.empty()) {

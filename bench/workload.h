@@ -23,7 +23,9 @@ struct Workload {
   double thickness = 0;  ///< world units; infinite for a full field
   int threads = 2;
   int repeats = 5;     ///< calls in this process: the first is cold, the others warm
+  double enough = 0;   ///< no further call after so many seconds; 0: all of them
   bool check = false;  ///< compare with another way of computing the same field, after the timing
+  std::string values;  ///< if not empty, the file that gets the values after the timing: raw floats, x fastest
 
   bool full() const;  ///< whether every sample's distance is asked for
   /// The common part of the JSON lines of all drivers.
@@ -38,11 +40,11 @@ class WorkloadOptions {
   Workload make() const;
 
  private:
-  std::string mesh_, scene_;
+  std::string mesh_, scene_, values_;
   std::int64_t triangles_ = 0, samples_ = 256, cube_ = 0;
   std::vector<double> extent_;
   std::vector<std::int64_t> size_;
-  double thickness_ = 2;
+  double thickness_ = 2, enough_ = 0;
   std::optional<double> margin_, scale_;
   int threads_ = 2, repeats_ = 5;
   bool full_ = false, check_ = false;
