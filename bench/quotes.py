@@ -10,6 +10,7 @@ import statistics
 from pathlib import Path
 
 import gpu_tables
+import methods_page
 import output_quotes
 import skip_rules
 import thesis_tables
@@ -119,7 +120,7 @@ def pages(results=BENCH / "results" / QUOTED):
     table = markdown([{key: row[key] for key in row if key not in ("at least", "met")} for row in rows])
     path = ROOT / "docs" / "collision_benchmarks.md"
     made[path] = between_markers(made[path], "collision batches", f"{table}\n\n{measured(comments)}")
-    made |= output_quotes.pages(read, between_markers, measured)
+    made |= output_quotes.pages(read, between_markers, measured) | methods_page.pages(read, between_markers)
     made[ROOT / "docs" / "thesis_tables.md"] = thesis_tables.page(results, BENCH / "results" / GPU_QUOTED)
     comments, rows = read(results / "skip.csv")
     path = ROOT / "docs" / "skip.md"

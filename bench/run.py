@@ -16,6 +16,7 @@
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
+  run.py methods         families of distance field algorithms: exactness, signs, time, memory (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of CSV files, written again
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, with fields that are computed at each step, what
                          both modes miss, and the fly among millions of triangles
@@ -44,12 +45,15 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
-    parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then")
+    parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then (but the rows of methods)")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
+    parser.add_argument("--mesh", help="methods: of this mesh alone")
+    parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet")
+    parser.add_argument("--limit", type=float, help="methods: seconds after which a call is stopped")
     parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
     parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
@@ -69,6 +73,11 @@ def main():
         return quotes.write()
     if arguments.what == "python":  # needs numpy
         return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
+    if arguments.what == "methods":  # needs numpy
+        if not drivers.has("exact"):
+            parser.error(f"no drivers in {drivers.folder}; build them with script/bench methods")
+        return importlib.import_module("methods").run(drivers, arguments.only, arguments.mesh, arguments.limit, arguments.missing, arguments.note,
+                                                      arguments.build)
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build, arguments.note)
     if arguments.what == "view":  # needs a browser
