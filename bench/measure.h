@@ -45,42 +45,22 @@ inline void forget_peak() {
 }
 
 struct Measured {
-  double cold = 0;                                ///< seconds of the first call
-  std::vector<double> warm;                       ///< seconds of the others
+  double cold = 0;           ///< seconds of the first call
+  std::vector<double> warm;  ///< seconds of the others
+  double cold_cpu = 0;       ///< the same of all processors together
+  std::vector<double> warm_cpu;
   std::int64_t bytes_before = 0, bytes_peak = 0;  ///< resident: before the first call, and at most during it
 
   void write(nlohmann::json& line) const {
     line["cold_s"] = cold;
     line["warm_s"] = median(warm);
+    line["cold_cpu_s"] = cold_cpu;
+    line["warm_cpu_s"] = median(warm_cpu);
     line["calls"] = 1 + warm.size();
     line["memory_before"] = bytes_before;
     line["memory_peak"] = bytes_peak;
   }
 };
-
-/// Calls `job` `repeats` times and returns its last result. Results are freed between calls, outside the timing. After
-/// `enough` seconds there is no further call, unless it is 0.
-template <class Job>
-auto measure(int repeats, Measured& measured, Job&& job, double enough = 0) {
-  std::optional<decltype(job())> result;
-  double spent = 0;
-  forget_peak();
-  measured.bytes_before = process_bytes("VmRSS");
-  for (int call = 0; call < repeats && !(enough > 0 && spent > enough); ++call) {
-    result.reset();
-    const auto start = std::chrono::steady_clock::now();
-    result.emplace(job());
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    spent += seconds;
-    if (call == 0) {
-      measured.cold = seconds;
-      measured.bytes_peak = process_bytes("VmHWM");
-    } else {
-      measured.warm.push_back(seconds);
-    }
-  }
-  return std::move(*result);
-}
 
 /// Seconds since its construction: of the wall clock, and of all processors for this process.
 class Clock {
@@ -95,6 +75,32 @@ class Clock {
   static double processor_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
   double wall_ = now(), processor_ = processor_now();
 };
+
+/// Calls `job` `repeats` times and returns its last result. Results are freed between calls, outside the timing. After
+/// `enough` seconds there is no further call, unless it is 0.
+template <class Job>
+auto measure(int repeats, Measured& measured, Job&& job, double enough = 0) {
+  std::optional<decltype(job())> result;
+  double spent = 0;
+  forget_peak();
+  measured.bytes_before = process_bytes("VmRSS");
+  for (int call = 0; call < repeats && !(enough > 0 && spent > enough); ++call) {
+    result.reset();
+    const Clock clock;
+    result.emplace(job());
+    const double seconds = clock.wall(), processor = clock.processor();
+    spent += seconds;
+    if (call == 0) {
+      measured.cold = seconds;
+      measured.cold_cpu = processor;
+      measured.bytes_peak = process_bytes("VmHWM");
+    } else {
+      measured.warm.push_back(seconds);
+      measured.warm_cpu.push_back(processor);
+    }
+  }
+  return std::move(*result);
+}
 
 /// The medians of several calls of `job`, under NAME_s and NAME_cpu_s.
 inline void measure_calls(int repeats, const std::string& name, nlohmann::json& line,

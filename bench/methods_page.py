@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What docs/methods.md and docs/methods_tables.md say of methods.csv, and two plots of it (those need matplotlib)."""
 
-import re
-import statistics
 import sys
 
 from harness import BENCH, markdown
@@ -11,16 +9,20 @@ from output_quotes import AVX512, RESULTS
 DOCS = BENCH.parent / "docs"
 SIDE = "128"  # the resolution of which the page speaks; the tables have all
 ERRORS = ("largest", "99 %", "mean", "exact %", "wrong %")
-COLUMNS = ["method", "mesh", "side", "triangles", "samples", "field", "threads", *[f"near {what}" for what in ERRORS],
-           *[f"far {what}" for what in ERRORS], "s", "calls", "MB", "refuses", "note", "near checked", "near signs", "far checked",
-           "far signs", "version", "run"]
+COLUMNS = ["method", "mesh", "side", "triangles", "edge", "samples", "field", "threads", *[f"near {what}" for what in ERRORS],
+           *[f"far {what}" for what in ERRORS], "s", "processor s", "calls", "MB", "refuses", "note", "near wrong outside %", "far wrong outside %",
+           "near checked", "near signs", "far checked", "far signs", "version", "run"]
 # The parts of the page, and the methods whose rows stand there.
 PARTS = {"brute": ["brute force", "standoff thesis"], "thesis": ["standoff thesis, band"], "tiles": ["standoff tiles, band", "standoff tiles"],
-         "fuhrmann": ["standoff fuhrmann, band"], "propagate": ["standoff propagate", "SDFGen (mesh2sdf)"],
+         "fuhrmann": ["standoff fuhrmann, band", "standoff tiles, sign facet", "standoff tiles, sign normal"], "propagate": ["standoff propagate", "SDFGen (mesh2sdf)"],
          "jumpflood": ["standoff jumpflood", "standoff jumpflood+1"], "eikonal": ["scikit-fmm", "OpenVDB fast sweeping"],
          "openvdb": ["OpenVDB, band"],
          "voxels": ["SciPy EDT of voxels", "edt of voxels", "ITK Maurer of voxels", "ITK Danielsson of voxels", "ITK chamfer of voxels"],
          "trees": ["Embree", "FCPW", "libigl", "Open3D", "point-cloud-utils", "VTK", "pysdf"]}
+
+MESHES = {"catapult": "CAD: few large triangles, parts that overlap (scene)", "nested": "five spheres in each other, every other one inside out (scene)",
+          "bunny": "a scan (bunny.obj)", "terrain": "a surface with a border (scene)",
+          "bunny-fine": "the surface of bunny, each triangle split into 16"}
 
 TABLES = """# All methods, all meshes
 
@@ -58,7 +60,7 @@ def shown(row, with_mesh):
         cells |= {f"{where}: largest": three(row[f"{where} largest"]), f"{where}: 99 %": three(row[f"{where} 99 %"]),
                   f"{where}: mean": three(row[f"{where} mean"]), f"{where}: right, %": row[f"{where} exact %"],
                   f"{where}: wrong signs, %": row[f"{where} wrong %"]}
-    return cells | {"s": row["note"] if row["note"] else row["s"], "MB": row["MB"], "threads": row["threads"]}
+    return cells | {"s": row["note"] or row["s"], "processor s": row["processor s"], "MB": row["MB"], "threads": row["threads"]}
 
 
 def part(rows, methods):
@@ -83,8 +85,64 @@ def summary(rows):
         table.append({"method": name, "field": own[0]["field"], "cases": f"{len(done)} of {len(own)}",
                       "near: largest error": worst(done, "near largest"), "near: 99 %": worst(done, "near 99 %"), "near: mean": worst(done, "near mean"),
                       "near: wrong signs, %": worst(done, "near wrong %"), "far: 99 %": worst(done, "far 99 %"),
-                      "bunny, s": (bunny["s"] or bunny["note"]) if bunny else "", "bunny, MB": bunny["MB"] if bunny else "",
+                      "bunny, s": (bunny["s"] or bunny["note"]) if bunny else "", "processor s": bunny["processor s"] if bunny else "", "bunny, MB": bunny["MB"] if bunny else "",
                       "refuses": own[0]["refuses"], "where there is nothing": "; ".join(notes)})
+    return markdown(table)
+
+
+def spread(rows, column, unit=""):
+    """The least and the largest of a column."""
+    known = [float(row[column]) for row in rows if row[column]]
+    if not known:
+        return "not measured"
+    low, high = three(f"{min(known)}"), three(f"{max(known)}")
+    return f"{low}{unit}" if low == high else f"{low} to {high}{unit}"
+
+
+def by_mesh(rows, column, unit=""):
+    """A column's spread over the resolutions of each mesh, and how long its triangles are."""
+    parts = []
+    for mesh in dict.fromkeys(row["mesh"] for row in rows if row[column]):
+        own = [row for row in rows if row["mesh"] == mesh]
+        parts.append(f"{mesh} {spread(own, column, unit)}")
+    return "; ".join(parts) or "not measured"
+
+
+def growth(rows, name):
+    """How many times the time grows from bunny to bunny-fine, which has sixteen times the triangles."""
+    of = {(row["mesh"], row["side"]): float(row["s"]) for row in rows if row["method"] == name and row["s"]}
+    ratios = [of["bunny-fine", side] / of["bunny", side] for mesh, side in of if mesh == "bunny" and ("bunny-fine", side) in of]
+    return f"{min(ratios):.1f} to {max(ratios):.1f} times" if ratios else "not measured"
+
+
+def claims(rows):
+    """What the thesis says, and what was measured."""
+    of = lambda *names: [row for row in rows if row["method"] in names]
+    right = lambda name: f"near {spread(of(name), 'near exact %', ' %')}, far {spread(of(name), 'far exact %', ' %')}"
+    table = [
+        ("Fuhrmann: \"suffers of sign errors if the size of the triangles becomes too large\" (4.4)",
+         f"wrong signs near the surface, of samples outside: {by_mesh(of('standoff fuhrmann, band'), 'near wrong outside %', ' %')}"),
+        ("Fuhrmann: \"asymptotic time complexity [...] is O(nm)\" (4.4)",
+         f"16 times the triangles, the same surface: {growth(rows, 'standoff fuhrmann, band')} the time"),
+        ("Satherley and Jones: \"the correct distance for 90% of voxels\" (2.1)",
+         f"right within 0.001 sample: vector propagation {right('standoff propagate')}; SDFGen {right('SDFGen (mesh2sdf)')}"),
+        ("EVDT on binary data: \"the correct distance to less than 1% of voxels\" (2.1)",
+         f"right within 0.001 sample: exact transform of voxels {right('edt of voxels')}; ITK's Danielsson {right('ITK Danielsson of voxels')}"),
+        ("Algorithm 1: \"some errors in distance values can become a problem if the size of the triangles becomes too large\" (4.1)",
+         f"largest error near the surface, in samples: {by_mesh(of('standoff thesis, band'), 'near largest')}"),
+        ("Algorithm 1: O(nm), if almost no triangle is skipped (4.4)",
+         f"16 times the triangles, the same surface: {growth(rows, 'standoff thesis, band')} the time"),
+    ]
+    return markdown([{"the thesis says": said, "measured here": found} for said, found in table])
+
+
+def meshes(rows):
+    """The meshes, and the length of their triangles at each resolution."""
+    table = []
+    for mesh in dict.fromkeys(row["mesh"] for row in rows):
+        own = {row["side"]: row for row in rows if row["mesh"] == mesh}
+        table.append({"mesh": mesh, "what": MESHES[mesh], "triangles": f"{int(next(iter(own.values()))['triangles']):,}"} |
+                     {f"longest edge at {side}": row["edge"] for side, row in own.items()})
     return markdown(table)
 
 
@@ -101,6 +159,8 @@ def pages(read_csv, between_markers, results=RESULTS / AVX512):
     comments, rows = read_csv(path)
     measured = machine(comments, rows)
     text = between_markers(page.read_text(), "methods summary", f"{summary(rows)}\n\n{measured}")
+    text = between_markers(text, "methods meshes", meshes(rows))
+    text = between_markers(text, "methods claims", claims(rows))
     for name, methods in PARTS.items():
         text = between_markers(text, f"methods {name}", part(rows, methods))
     sections = [TABLES.format(machine=AVX512, measured=measured)]
@@ -114,59 +174,91 @@ def pages(read_csv, between_markers, results=RESULTS / AVX512):
 
 # ---- Plots ----
 
-COLOURS = {"standoff": "#b3202a", "OpenVDB": "#2a6db3", "SciPy": "#7a7a7a", "edt": "#7a7a7a", "ITK": "#7a7a7a"}
+GROUPS = {"standoff": ("standoff", "#b3202a"), "of voxels": ("transforms of voxels", "#8a6d3b"), "OpenVDB": ("fronts and OpenVDB", "#2a6db3"),
+          "scikit": ("fronts and OpenVDB", "#2a6db3"), "": ("other libraries", "#5f6b7a")}
+LEAST = 1e-8  # errors below it are drawn there
 
 
-def colour(method):
-    return next((of for start, of in COLOURS.items() if method.startswith(start)), "#4a8a4a")
+def group(method):
+    return next(of for part, of in GROUPS.items() if part in method)
+
+
+def place_labels(axes, labels):
+    """Names beside their points, from the lowest up; one that would cover another or a point moves up, with a line to its
+    point."""
+    axes.figure.canvas.draw()
+    to_pixels = axes.transData.transform
+    taken = [(px - 4, px + 4, py) for px, py in (to_pixels(label[:2]) for label in labels)]
+    for x, y, text, colour in sorted(labels, key=lambda one: (one[1], one[0])):
+        px, py = to_pixels((x, y))
+        left_end, width, height, at = px + 6, 5.2 * len(text), 9, py
+        while any(left_end < right and left < left_end + width and abs(at - middle) < height for left, right, middle in taken):
+            at += 1
+        taken.append((left_end, left_end + width, at))
+        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.4, "shrinkA": 0, "shrinkB": 2} if at - py > 4 else None
+        axes.annotate(text, (x, y), (7, (at - py) * 72 / axes.figure.dpi), textcoords="offset points", fontsize=6.5, va="center", color=colour,
+                      arrowprops=line)
+
+
+def legend(axes):
+    from matplotlib.lines import Line2D
+    shown = dict(GROUPS.values())
+    axes.legend([Line2D([], [], color=colour, marker="o", linestyle="") for colour in shown.values()], shown, fontsize=7, frameon=False,
+                loc="upper left", bbox_to_anchor=(0, -0.1), ncols=4)
 
 
 def draw_errors(rows, path, plt):
-    """The 99 % of errors near the surface over the time, of all methods on the bunny."""
-    own = [row for row in rows if row["mesh"] == "bunny" and row["side"] == SIDE and row["s"]]
-    figure, axes = plt.subplots(figsize=(7, 5))
-    for row in own:
-        x, y = float(row["s"]), max(float(row["near 99 %"]), 1e-8)
-        axes.loglog(x, y, "o" if row["field"] == "full" else "^", color=colour(row["method"]), markersize=5)
-    spread_labels(axes, [(float(row["s"]), max(float(row["near 99 %"]), 1e-8), row["method"]) for row in own])
-    axes.set(xlabel="seconds", ylabel="error, in samples: 99 % near the surface are better")
-    axes.set_title("bunny, 128 samples on the longest side (triangles: bands only)", loc="left", fontsize=9)
-    axes.grid(True, which="major", alpha=0.3)
-    finish(figure, axes, path, plt)
-
-
-def spread_labels(axes, labels):
-    """Beside their points; those that would overlap move up."""
-    used = []
-    for x, y, text in sorted(labels, key=lambda one: (one[1], one[0])):
-        at = y
-        while any(abs(statistics.log(at / other)) < 0.35 and 0.03 < x / x2 < 30 for x2, other in used) if hasattr(statistics, "log") else False:
-            at *= 1.4
-        used.append((x, at))
-        axes.annotate(text, (x, y), (5, 0), textcoords="offset points", fontsize=7, va="center")
+    """Near the surface and far from it: the errors over the time, of all methods on the bunny."""
+    figure, panels = plt.subplots(1, 2, figsize=(12, 6), dpi=100, sharey=True)
+    names = []
+    for axes, where in zip(panels, ("near", "far")):
+        own = [row for row in rows if row["mesh"] == "bunny" and row["side"] == SIDE and row["s"] and row[f"{where} 99 %"] and ", sign" not in row["method"]]
+        labels = [(float(row["s"]), max(float(row[f"{where} 99 %"]), LEAST), row["method"].removeprefix("standoff "), group(row["method"])[1])
+                  for row in own]
+        for (x, y, _, colour), row in zip(labels, own):
+            axes.loglog(x, y, "o" if row["field"] == "full" else "^", color=colour, markersize=5)
+        if labels:
+            axes.set_xlim(min(one[0] for one in labels) / 1.5, max(one[0] for one in labels) * 8)
+            axes.set_ylim(LEAST, 30)
+        axes.set_xlabel("seconds", fontsize=9)
+        if where == "near":
+            axes.set_ylabel("error in samples: 99 % of the samples are better", fontsize=9)
+        axes.set_title(f"bunny, {SIDE} samples on the longest side, {where} the surface" if where == "near" else "far from it", loc="left", fontsize=9)
+        axes.grid(True, which="major", alpha=0.3)
+        names.append((axes, labels))
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelsize=8)
+    legend(panels[0])
+    panels[1].text(1, -0.12, "triangles: bands only", transform=panels[1].transAxes, fontsize=7, ha="right")
+    finish(figure, names, path, plt)
 
 
 def draw_triangles(rows, path, plt):
     """The time over the number of triangles, of all methods at one resolution."""
-    figure, axes = plt.subplots(figsize=(7, 5))
+    figure, axes = plt.subplots(figsize=(9, 7), dpi=100)
     ends = []
     for name in dict.fromkeys(row["method"] for row in rows):
         own = sorted((int(row["triangles"]), float(row["s"])) for row in rows if row["method"] == name and row["side"] == SIDE and row["s"])
-        if not own:
-            continue
-        axes.loglog(*zip(*own), "o-", color=colour(name), markersize=3, linewidth=1)
-        ends.append((*own[-1], name))
-    spread_labels(axes, ends)
-    axes.set(xlabel="triangles", ylabel="seconds")
-    axes.set_title("128 samples on the longest side", loc="left", fontsize=9)
+        if own and ", sign" not in name:
+            axes.loglog(*zip(*own), "o-", color=group(name)[1], markersize=3, linewidth=0.8)
+            ends.append((*own[-1], name.removeprefix("standoff "), group(name)[1]))
+    counts = {int(row["triangles"]): row["mesh"] for row in rows}
+    if ends:
+        axes.set_xlim(min(counts) / 1.2, max(counts) * 6)
+    axes.set_xlabel("triangles", fontsize=9)
+    axes.set_ylabel("seconds", fontsize=9)
+    axes.set_title(f"{SIDE} samples on the longest side; from the left: {', '.join(counts[count] for count in sorted(counts))}", loc="left", fontsize=9)
     axes.grid(True, which="major", alpha=0.3)
-    finish(figure, axes, path, plt)
-
-
-def finish(figure, axes, path, plt):
+    legend(axes)
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
+    finish(figure, [(axes, ends)], path, plt)
+
+
+def finish(figure, names, path, plt):
     figure.tight_layout()
+    for axes, labels in names:
+        place_labels(axes, labels)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
     print(f"wrote {path}", file=sys.stderr)

@@ -198,13 +198,13 @@ def main():
         triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
         options = {} if arguments.peer == "fcpw" else {"signed": arguments.signed}
         make = lambda: LIBRARIES[arguments.peer](vertices, triangles, **options)
-    wall, line = [], {"driver": arguments.peer, "version": version(arguments.peer)}
+    wall, processor, line = [], [], {"driver": arguments.peer, "version": version(arguments.peer)}
     for _ in range(arguments.repeats):
         library = make()
         if not wall:
             Path("/proc/self/clear_refs").write_text("5")
             line["memory_before"] = process_bytes("VmRSS")
-        began = time.perf_counter()
+        began, began_processor = time.perf_counter(), time.process_time()
         try:
             if hasattr(library, "values"):  # of all samples at once
                 values = library.values(grid)
@@ -215,13 +215,15 @@ def main():
             print(refusal, file=sys.stderr)
             return 4
         wall.append(time.perf_counter() - began)
+        processor.append(time.process_time() - began_processor)
         if len(wall) == 1:
             line["memory_peak"] = process_bytes("VmHWM")
         if sum(wall) > arguments.enough:
             break
     if arguments.values:
         np.ascontiguousarray(values, dtype=np.float32).tofile(arguments.values)
-    print(json.dumps(line | {"cold_s": wall[0], "warm_s": statistics.median(wall[1:] or wall), "calls": len(wall)}))
+    print(json.dumps(line | {"cold_s": wall[0], "warm_s": statistics.median(wall[1:] or wall), "cold_cpu_s": processor[0],
+                             "warm_cpu_s": statistics.median(processor[1:] or processor), "calls": len(wall)}))
     return 0
 
 

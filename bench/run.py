@@ -51,7 +51,7 @@ def main():
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then (but the rows of methods)")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
-    parser.add_argument("--mesh", help="methods: of this mesh alone")
+    parser.add_argument("--mesh", help="methods: of this mesh alone, or with its resolution: bunny-64")
     parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet")
     parser.add_argument("--limit", type=float, help="methods: seconds after which a call is stopped")
     parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
