@@ -8,6 +8,7 @@ that takes longer than the limit is ended, and that method is not started at lar
 import datetime
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -225,11 +226,16 @@ def measure(drivers, case, method, limit):
         if "--method" in errors or "--sign" in errors:  # not a name that the driver knows
             return None, "not in this build"
         last = (errors.strip().splitlines() or [f"exit code {process.returncode}"])[-1]
-        return None, f"refused: {last.split('Error: ')[-1][:80]}"
+        return None, f"refused: {shortened(last)}"
     told = json.loads(out.splitlines()[-1])
     if told["cold_cpu_s"] > limit:
         return None, f"> {limit:g} s"
     return told | case.errors(values, method), ""
+
+
+def shortened(message):
+    """Of an error: without names of classes, addresses in memory, and what explains it further."""
+    return re.sub(r"\(0x[0-9a-f]+\)", "", message.split("Error: ")[-1].split(": ", 1)[-1]).split(" (")[0][:70]
 
 
 def row_of(case, method, told, why, run):
@@ -242,8 +248,9 @@ def row_of(case, method, told, why, run):
     return row | {"run": run}
 
 
-def run(drivers, only, mesh, limit, missing, note, build):
-    """Measures, and puts the rows into the table that is there. Rows are kept apart by method, mesh and resolution."""
+def run(drivers, only, mesh, limit, missing, unstopped, note, build):
+    """Measures, and puts the rows into the table that is there. Rows are kept apart by method, mesh and resolution. `missing`:
+    only those that are not there; `unstopped`: not those that were stopped at this limit."""
     limit, path = limit or LIMIT, results_folder() / "methods.csv"
     rows = {key_of(row): row for row in (methods_page.read(path)[1] if path.exists() else [])}
     work = Path(build) / "methods"
@@ -261,7 +268,7 @@ def run(drivers, only, mesh, limit, missing, note, build):
                 if only and only not in method.name:
                     continue
                 key = (method.name, shape.name, str(side))
-                if missing and key in rows and is_done(rows[key], limit):
+                if key in rows and (missing or unstopped and rows[key]["note"].startswith(">")) and is_done(rows[key], limit):
                     stopped |= {method.name: rows[key]["note"]} if rows[key]["note"].startswith(">") else {}
                     continue
                 case = case or Case(drivers, work, shape, side)

@@ -53,7 +53,8 @@ def main():
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
     parser.add_argument("--mesh", help="methods: of this mesh alone, or with its resolution: bunny-64")
     parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet")
-    parser.add_argument("--limit", type=float, help="methods: seconds after which a call is stopped")
+    parser.add_argument("--unstopped", action="store_true", help="methods: not again what was stopped at this limit")
+    parser.add_argument("--limit", type=float, help="methods: processor seconds after which a call is stopped")
     parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
     parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
@@ -76,8 +77,8 @@ def main():
     if arguments.what == "methods":  # needs numpy
         if not drivers.has("exact"):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench methods")
-        return importlib.import_module("methods").run(drivers, arguments.only, arguments.mesh, arguments.limit, arguments.missing, arguments.note,
-                                                      arguments.build)
+        return importlib.import_module("methods").run(drivers, arguments.only, arguments.mesh, arguments.limit, arguments.missing, arguments.unstopped,
+                                                      arguments.note, arguments.build)
     if arguments.what == "fly":
         return fly.run(workloads, arguments.build, arguments.note)
     if arguments.what == "view":  # needs a browser
