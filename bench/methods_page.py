@@ -192,7 +192,7 @@ def place_labels(axes, labels):
     taken = [(px - 4, px + 4, py) for px, py in (to_pixels(label[:2]) for label in labels)]
     for x, y, text, colour in sorted(labels, key=lambda one: (one[1], one[0])):
         px, py = to_pixels((x, y))
-        left_end, width, height, at = px + 6, 5.2 * len(text), 9, py
+        left_end, width, height, at = px + 6, 6 * len(text), 9, py
         while any(left_end < right and left < left_end + width and abs(at - middle) < height for left, right, middle in taken):
             at += 1
         taken.append((left_end, left_end + width, at))
