@@ -262,6 +262,8 @@ def run(drivers, only, mesh, limit, missing, unstopped, note, build):
         stopped = {}
         for side in RESOLUTIONS:
             if mesh and mesh not in (shape.name, f"{shape.name}-{side}"):
+                stopped |= {name: rows[name, of, n]["note"] for name, of, n in rows
+                            if (of, n) == (shape.name, str(side)) and rows[name, of, n]["note"].startswith(">") and is_done(rows[name, of, n], limit)}
                 continue
             case = None
             for method in METHODS:
