@@ -214,14 +214,14 @@ def draw_errors(rows, path, plt):
     names = []
     for axes, where in zip(panels, ("near", "far")):
         own = [row for row in rows if row["mesh"] == "bunny" and row["side"] == SIDE and row["s"] and row[f"{where} 99 %"] and ", sign" not in row["method"]]
-        labels = [(float(row["s"]), max(float(row[f"{where} 99 %"]), LEAST), row["method"].removeprefix("standoff "), group(row["method"])[1])
+        labels = [(float(row["processor s"]), max(float(row[f"{where} 99 %"]), LEAST), row["method"].removeprefix("standoff "), group(row["method"])[1])
                   for row in own]
         for (x, y, _, colour), row in zip(labels, own):
             axes.loglog(x, y, "o" if row["field"] == "full" else "^", color=colour, markersize=5)
         if labels:
             axes.set_xlim(min(one[0] for one in labels) / 1.5, max(one[0] for one in labels) * 8)
             axes.set_ylim(LEAST, 30)
-        axes.set_xlabel("seconds", fontsize=9)
+        axes.set_xlabel("processor seconds, of all threads", fontsize=9)
         if where == "near":
             axes.set_ylabel("error in samples: 99 % of the samples are better", fontsize=9)
         axes.set_title(f"bunny, {SIDE} samples on the longest side, {where} the surface" if where == "near" else "far from it", loc="left", fontsize=9)
@@ -239,15 +239,16 @@ def draw_triangles(rows, path, plt):
     figure, axes = plt.subplots(figsize=(9, 7), dpi=100)
     ends = []
     for name in dict.fromkeys(row["method"] for row in rows):
-        own = sorted((int(row["triangles"]), float(row["s"])) for row in rows if row["method"] == name and row["side"] == SIDE and row["s"])
+        own = sorted((int(row["triangles"]), float(row["processor s"])) for row in rows if row["method"] == name and row["side"] == SIDE and row["s"])
         if own and ", sign" not in name:
             axes.loglog(*zip(*own), "o-", color=group(name)[1], markersize=3, linewidth=0.8)
             ends.append((*own[-1], name.removeprefix("standoff "), group(name)[1]))
     counts = {int(row["triangles"]): row["mesh"] for row in rows}
     if ends:
         axes.set_xlim(min(counts) / 1.2, max(counts) * 6)
+        axes.set_ylim(top=3 * axes.get_ylim()[1])
     axes.set_xlabel("triangles", fontsize=9)
-    axes.set_ylabel("seconds", fontsize=9)
+    axes.set_ylabel("processor seconds, of all threads", fontsize=9)
     axes.set_title(f"{SIDE} samples on the longest side; from the left: {', '.join(counts[count] for count in sorted(counts))}", loc="left", fontsize=9)
     axes.grid(True, which="major", alpha=0.3)
     legend(axes)
