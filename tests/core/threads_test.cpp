@@ -43,8 +43,8 @@ TEST(Threads, CountsWhatTheWorkMayUse) {
   EXPECT_THROW(Threads(2).run([] { throw std::runtime_error("passes"); }), std::runtime_error);
 }
 
-// TBB frees an arena long after its last use: one for each call took 6 to 10 KB a call, so 12 MB here. What threads keep
-// at hand under the address sanitizer on a busy machine was 3 MB.
+// TBB frees an arena long after its last use: one for each call took 6 to 10 KB a call, so 12 MB here. What threads
+// keep at hand under the address sanitizer on a busy machine was 3 MB.
 TEST(Threads, ManyCallsTakeNoMoreMemory) {
   for (const int threads : {0, 1, 2, 3, 5}) {
     for (int n = 0; n < 200; ++n) EXPECT_EQ(add_up(threads), kSum);
