@@ -91,7 +91,7 @@ def _number_of(device: str, *arrays: DeviceArray) -> int:
     if device.startswith("cuda:"):
         named = device.removeprefix("cuda:")
         if not named.isdecimal():
-            raise UsageError(f"device {device!r}: after 'cuda:' give the number of one GPU, from 0")
+            raise UsageError(f"device {device!r}: after 'cuda:' give one GPU's number, from 0")
         if known and known[0] != int(named):
             raise DeviceError(f"device: the mesh lies on cuda:{known[0]}, and {device!r} was asked for; move the mesh")
         return int(named)

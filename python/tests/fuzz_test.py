@@ -94,7 +94,7 @@ options = st.fixed_dictionaries(
     optional={
         "resolution": numbers, "spacing": numbers, "shape": numbers, "padding": numbers, "band": numbers, "thickness": numbers,
         "sign": st.sampled_from([None, "auto", "winding", "flood", "x", 3, so.Sign("shell", shell=0.2), so.Sign(rule="x")]),
-        "nearest": st.booleans(), "method": st.sampled_from(["tiles", "thesis", "x", None]), "threads": st.sampled_from([0, 1, 3, -1, None]),
+        "nearest": st.booleans(), "method": st.sampled_from(["tiles", "thesis", "fuhrmann", "propagate", "jumpflood+1", "x", None]), "threads": st.sampled_from([0, 1, 3, -1, None]),
         "device": st.sampled_from(["auto", "cpu", "emulated", "cuda", "cuda:9", "x", None]),
         "memory_limit": st.just(10**7) | numbers, "progress": st.sampled_from([None, False, 3]),
     },
