@@ -5,7 +5,6 @@ C++ (tests/approximate, tests/field/cuda)."""
 import numpy as np
 import pytest
 import shapes
-
 import standoff as so
 
 BALL = shapes.sphere(24)
