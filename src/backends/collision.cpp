@@ -37,13 +37,11 @@ namespace standoff::thesis {
 namespace {
 
 constexpr std::array kAlgorithm2Rows{
-    Algorithm2Row{Backend::cpu, [] { return true; }, [](int) { return std::string(); }, cpu::hold_field,
-                  cpu::moving_field, cpu::first_below, cpu::least_sum},
-    Algorithm2Row{Backend::cuda, cuda::available, cuda::device_name, cuda::hold_field, cuda::moving_field,
-                  cuda::first_below, cuda::least_sum},
+    Algorithm2Row{Backend::cpu, [] { return true; }, [](int) { return std::string(); }, cpu::kAlgorithm2},
+    Algorithm2Row{Backend::cuda, cuda::available, cuda::device_name, cuda::kAlgorithm2},
 #ifdef STANDOFF_HAVE_EMULATION
     Algorithm2Row{testing::kEmulated, [] { return true; }, [](int) { return std::string("emulated on the CPU"); },
-                  emulated::hold_field, emulated::moving_field, emulated::first_below, emulated::least_sum},
+                  emulated::kAlgorithm2},
 #endif
 };
 

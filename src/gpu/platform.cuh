@@ -3,6 +3,8 @@
 // compiled for both, each in its own namespace.
 #pragma once
 
+#include <cstdint>
+
 #ifdef __CUDACC__
 #define STANDOFF_PLATFORM cuda
 #include "gpu/platform_cuda.cuh"
@@ -15,3 +17,30 @@
 #define STANDOFF_KERNEL [[maybe_unused]] static __global__
 // Marks a function that kernels call.
 #define STANDOFF_DEVICE __device__ __forceinline__
+
+namespace standoff::STANDOFF_PLATFORM {
+
+/// Device memory that is replaced if it is too small; then its content is lost.
+class Growing {
+ public:
+  /// Returns room for `count` elements. Throws Error{limit}.
+  template <class T>
+  T* room_for(std::int64_t count) {
+    const std::int64_t bytes = count * static_cast<std::int64_t>(sizeof(T));
+    if (bytes > bytes_) {
+      memory_ = Memory();  // free the old memory first; cudaFree waits for kernels that still read it
+      bytes_ = 0;
+      memory_ = Memory(bytes);
+      bytes_ = bytes;
+    }
+    return memory_.as<T>();
+  }
+  /// How much there is; as much or more than was asked for.
+  std::int64_t bytes() const { return bytes_; }
+
+ private:
+  Memory memory_;
+  std::int64_t bytes_ = 0;
+};
+
+}  // namespace standoff::STANDOFF_PLATFORM

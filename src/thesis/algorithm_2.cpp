@@ -128,8 +128,6 @@ class HostMoving final : public thesis::MovingField {
   HostField held_;
 };
 
-}  // namespace
-
 std::shared_ptr<const HeldField> hold_field(DistanceField field, int) {
   return std::make_shared<HostField>(std::move(field));
 }
@@ -157,6 +155,10 @@ double least_sum(const Algorithm2Job& job) {
   return least;
 }
 
+}  // namespace
+
+const thesis::Algorithm2Functions kAlgorithm2{hold_field, moving_field, first_below, least_sum};
+
 }  // namespace cpu
 
 struct ThesisFieldAccess {
@@ -167,6 +169,7 @@ struct ThesisFieldAccess {
 
 namespace {
 
+using thesis::Algorithm2Functions;
 using thesis::Algorithm2Job;
 using thesis::Algorithm2Row;
 using thesis::HeldField;
@@ -195,8 +198,9 @@ void with_job(const HeldField& a, const Pose& pose_a, const HeldField& b, const 
   if (boxes_overlap(job.other, job.of_other, job.visited, job.of_visited)) use(job);
 }
 
-ThesisCollisionResult collide(decltype(Algorithm2Row::first_below) first_below, const HeldField& a, const Pose& pose_a,
-                              const HeldField& b, const Pose& pose_b, double threshold, int device) {
+ThesisCollisionResult collide(decltype(Algorithm2Functions::first_below) first_below, const HeldField& a,
+                              const Pose& pose_a, const HeldField& b, const Pose& pose_b, double threshold,
+                              int device) {
   if (!(threshold > 0))
     throw Error(ErrorCode::usage, "collide: the threshold must be positive; thesis_sum() helps to choose it");
   ThesisCollisionResult result;
@@ -208,7 +212,7 @@ ThesisCollisionResult collide(decltype(Algorithm2Row::first_below) first_below, 
   return result;
 }
 
-double least_of(decltype(Algorithm2Row::least_sum) least_sum, const HeldField& a, const Pose& pose_a,
+double least_of(decltype(Algorithm2Functions::least_sum) least_sum, const HeldField& a, const Pose& pose_a,
                 const HeldField& b, const Pose& pose_b, int device) {
   double least = std::numeric_limits<double>::infinity();
   with_job(a, pose_a, b, pose_b, device, [&](const Algorithm2Job& job) { least = least_sum(job); });
@@ -242,20 +246,20 @@ int device_of(const Algorithm2Row& row, const Execution& execution) {
 
 ThesisCollisionResult collide_thesis(const DistanceField& a, const Pose& pose_a, const DistanceField& b,
                                      const Pose& pose_b, double threshold) try {
-  return collide(cpu::first_below, cpu::HostField(a), pose_a, cpu::HostField(b), pose_b, threshold, 0);
+  return collide(cpu::kAlgorithm2.first_below, cpu::HostField(a), pose_a, cpu::HostField(b), pose_b, threshold, 0);
 } catch (...) {
   throw_as_error("collide");
 }
 
 double thesis_sum(const DistanceField& a, const Pose& pose_a, const DistanceField& b, const Pose& pose_b) try {
-  return least_of(cpu::least_sum, cpu::HostField(a), pose_a, cpu::HostField(b), pose_b, 0);
+  return least_of(cpu::kAlgorithm2.least_sum, cpu::HostField(a), pose_a, cpu::HostField(b), pose_b, 0);
 } catch (...) {
   throw_as_error("collide");
 }
 
 ThesisField::ThesisField(DistanceField field, const Execution& execution) try
     : row_(&row_for(execution)), device_(device_of(*row_, execution)) {
-  held_ = row_->hold(std::move(field), device_);
+  held_ = row_->run.hold(std::move(field), device_);
 } catch (...) {
   throw_as_error("collide");
 }
@@ -268,7 +272,7 @@ std::string ThesisField::device_name() const { return row_->device_name(device_)
 ThesisCollisionResult collide_thesis(const ThesisField& a, const Pose& pose_a, const ThesisField& b, const Pose& pose_b,
                                      double threshold) try {
   expect_together(a, b);
-  return collide(Access::row(a).first_below, Access::held(a), pose_a, Access::held(b), pose_b, threshold,
+  return collide(Access::row(a).run.first_below, Access::held(a), pose_a, Access::held(b), pose_b, threshold,
                  Access::device(a));
 } catch (...) {
   throw_as_error("collide");
@@ -276,7 +280,7 @@ ThesisCollisionResult collide_thesis(const ThesisField& a, const Pose& pose_a, c
 
 double thesis_sum(const ThesisField& a, const Pose& pose_a, const ThesisField& b, const Pose& pose_b) try {
   expect_together(a, b);
-  return least_of(Access::row(a).least_sum, Access::held(a), pose_a, Access::held(b), pose_b, Access::device(a));
+  return least_of(Access::row(a).run.least_sum, Access::held(a), pose_a, Access::held(b), pose_b, Access::device(a));
 } catch (...) {
   throw_as_error("collide");
 }
@@ -298,7 +302,7 @@ struct MinimumField::State {
         return one;
       }
     }
-    return row.moving(mesh, rule, execution);
+    return row.run.moving(mesh, rule, execution);
   }
   void give_back(std::unique_ptr<thesis::MovingField> one) noexcept {
     const std::lock_guard lock(mutex);

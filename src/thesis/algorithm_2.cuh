@@ -12,7 +12,6 @@
 #include <mutex>
 
 #include "field/cuda/any_mesh.cuh"
-#include "gpu/growing.cuh"
 #include "gpu/platform.cuh"
 #include "thesis/algorithm_2.h"
 

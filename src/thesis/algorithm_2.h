@@ -94,11 +94,8 @@ struct Algorithm2Job {
 /// The answer where no sample decides.
 inline constexpr std::int64_t kNoSample = std::numeric_limits<std::int64_t>::max();
 
-/// A row of the table of devices (src/backends/collision.cpp), the CPU among them.
-struct Algorithm2Row {
-  Backend backend;
-  bool (*available)();
-  std::string (*device_name)(int device);
+/// What a device does.
+struct Algorithm2Functions {
   std::shared_ptr<const HeldField> (*hold)(DistanceField field, int device);
   std::unique_ptr<MovingField> (*moving)(const Mesh& mesh, const MinimumRule& rule, const Execution& execution);
   /// The index of the first sample, x fastest, whose sum is below the threshold, or kNoSample.
@@ -107,34 +104,27 @@ struct Algorithm2Row {
   double (*least_sum)(const Algorithm2Job& job);
 };
 
+/// A row of the table of devices (src/backends/collision.cpp), the CPU among them.
+struct Algorithm2Row {
+  Backend backend;
+  bool (*available)();
+  std::string (*device_name)(int device);
+  const Algorithm2Functions& run;
+};
+
 /// Throws Error{device} if there is no such device.
 const Algorithm2Row& find_algorithm_2(Backend backend);
 
 }  // namespace standoff::thesis
 
-// The functions of the rows, in the order of Algorithm2Row. CPU: src/thesis/algorithm_2.cpp. CUDA and its emulation:
-// src/backends/cuda/algorithm_2.cu.
+// CPU: src/thesis/algorithm_2.cpp. CUDA and its emulation: src/backends/cuda/algorithm_2.cu.
 
 namespace standoff::cpu {
-std::shared_ptr<const thesis::HeldField> hold_field(DistanceField field, int device);
-std::unique_ptr<thesis::MovingField> moving_field(const Mesh& mesh, const thesis::MinimumRule& rule,
-                                                  const Execution& execution);
-std::int64_t first_below(const thesis::Algorithm2Job& job, double threshold);
-double least_sum(const thesis::Algorithm2Job& job);
-}  // namespace standoff::cpu
-
+extern const thesis::Algorithm2Functions kAlgorithm2;
+}
 namespace standoff::cuda {
-std::shared_ptr<const thesis::HeldField> hold_field(DistanceField field, int device);
-std::unique_ptr<thesis::MovingField> moving_field(const Mesh& mesh, const thesis::MinimumRule& rule,
-                                                  const Execution& execution);
-std::int64_t first_below(const thesis::Algorithm2Job& job, double threshold);
-double least_sum(const thesis::Algorithm2Job& job);
-}  // namespace standoff::cuda
-
+extern const thesis::Algorithm2Functions kAlgorithm2;
+}
 namespace standoff::emulated {
-std::shared_ptr<const thesis::HeldField> hold_field(DistanceField field, int device);
-std::unique_ptr<thesis::MovingField> moving_field(const Mesh& mesh, const thesis::MinimumRule& rule,
-                                                  const Execution& execution);
-std::int64_t first_below(const thesis::Algorithm2Job& job, double threshold);
-double least_sum(const thesis::Algorithm2Job& job);
-}  // namespace standoff::emulated
+extern const thesis::Algorithm2Functions kAlgorithm2;
+}

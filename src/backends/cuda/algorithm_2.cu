@@ -10,7 +10,6 @@
 
 #include "backends/cuda/fields.h"
 #include "field/prepare.h"
-#include "gpu/growing.cuh"
 #include "gpu/platform.cuh"
 #include "standoff/thesis.h"
 
@@ -86,8 +85,6 @@ class MovingOnDevice final : public thesis::MovingField {
   FieldOnDevice held_;
 };
 
-}  // namespace
-
 std::shared_ptr<const thesis::HeldField> hold_field(DistanceField field, int device) {
   const DeviceScope scope(device);
   auto held = std::make_shared<FieldOnDevice>();
@@ -124,5 +121,9 @@ double least_sum(const thesis::Algorithm2Job& job) {
   const DeviceScope scope(job.device);
   return unordered(found_by<true>(job, 0));
 }
+
+}  // namespace
+
+const thesis::Algorithm2Functions kAlgorithm2{hold_field, moving_field, first_below, least_sum};
 
 }  // namespace standoff::STANDOFF_PLATFORM

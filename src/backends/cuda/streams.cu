@@ -9,7 +9,6 @@
 
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
-#include "gpu/growing.cuh"
 #include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {

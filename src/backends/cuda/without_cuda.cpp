@@ -27,9 +27,10 @@ std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
 void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
 
-std::shared_ptr<const thesis::HeldField> hold_field(DistanceField, int) { fail(); }
-std::unique_ptr<thesis::MovingField> moving_field(const Mesh&, const thesis::MinimumRule&, const Execution&) { fail(); }
-std::int64_t first_below(const thesis::Algorithm2Job&, double) { fail(); }
-double least_sum(const thesis::Algorithm2Job&) { fail(); }
+const thesis::Algorithm2Functions kAlgorithm2{
+    [](DistanceField, int) -> std::shared_ptr<const thesis::HeldField> { fail(); },
+    [](const Mesh&, const thesis::MinimumRule&, const Execution&) -> std::unique_ptr<thesis::MovingField> { fail(); },
+    [](const thesis::Algorithm2Job&, double) -> std::int64_t { fail(); },
+    [](const thesis::Algorithm2Job&) -> double { fail(); }};
 
 }  // namespace standoff::cuda

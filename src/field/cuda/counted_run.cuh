@@ -11,7 +11,7 @@
 #include "field/backend.h"
 #include "field/cuda/capacity.h"
 #include "field/cuda/pipeline.cuh"
-#include "gpu/growing.cuh"
+#include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 
