@@ -234,7 +234,7 @@ void tell_field(const std::string& name, const FieldArgument& input, const Conso
                 (sidecar.components > 1 ? " (" + std::to_string(sidecar.components) + " numbers)" : "");
   print(
       row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
-      row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
+      row("origin", point_text(g.corner())) + row("to", point_text(g.bounds().max)) +
       row("spacing", spacing_text(g.spacing)) +
       row("thickness",
           std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
