@@ -39,3 +39,4 @@
 #include "standoff/verify.h"
 #include "standoff/version.h"
 #include "standoff/voxels.h"
+#include "standoff/zarr.h"
