@@ -168,7 +168,7 @@ void expect_version(const JsonView& json, const char* node) {
     version.fail("it is of version " + std::to_string(version.whole()) +
                  " of Zarr, and version 3 is read; write the store again in that");
   if (const JsonView type = need(json, "node_type"); type.text() != node)
-    type.fail("it is of type " + in_quotes(type.text()) + ", where " + node + " is expected");
+    type.fail("it is of type " + in_quotes(type.text()) + ", where " + node + " is expected; write the store again");
 }
 
 // The codecs of a chunk.
@@ -472,7 +472,7 @@ StoreMetadata read_store(const std::filesystem::path& path) {
   const JsonView json = json_of(top);
   std::filesystem::path folder = path;
   std::optional<Level> level;
-  if (need(json, "node_type").text() == "group") {
+  if (need(json, "node_type").text() != "array") {
     level = read_group(json);
     folder /= level->array;
   }
