@@ -108,6 +108,7 @@ struct Plan {
   double load_seconds = 0;
   bool in_slabs = false;          ///< the field is written while it is computed
   bool sparse = false;            ///< FileFormat::sparse of the output
+  bool folder = false;            ///< FileFormat::folder of the output
   std::int64_t bytes_beside = 0;  ///< of sidecars, for each sample of a stored tile
 
   Grid grid() const { return window ? choice.grid.window(window->first, window->size) : choice.grid; }
@@ -126,14 +127,19 @@ struct Outcome {
 std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
 
 // What a file of the output's format takes at most, but for a header of less than 4 KiB: it has the samples as they
-// are, or packs them. Trees have whole tiles and tables of them.
+// are, or packs them. Trees have whole tiles and tables of them, and stores whole chunks in shards.
 double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
   if (plan.sparse) {
     const auto tiles = static_cast<double>(tile_count(plan.grid().size));
     return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
   }
   const double bytes = (options.nearest ? 8.0 : 4.0) + static_cast<double>(plan.bytes_beside);
-  return bytes * static_cast<double>(plan.grid().sample_count());
+  const Size3 size = plan.grid().size;
+  if (plan.folder) {
+    const auto up = [](std::int64_t samples) { return static_cast<double>((samples + 31) / 32 * 32); };
+    return bytes * 1.001 * up(size.x) * up(size.y) * up(size.z) + 4096;
+  }
+  return bytes * static_cast<double>(size.count());
 }
 
 Json description(const Plan& plan) {
@@ -414,6 +420,7 @@ void ComputeCommand::run() {
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
+  plan.folder = output.format(field_formats()).folder;
   plan.bytes_beside = beside.bytes_per_sample();
   if (dry_run) return tell(plan, options, console);
   console.say(mesh_line(mesh.name(), loaded));
@@ -423,9 +430,7 @@ void ComputeCommand::run() {
 
   if (plan.bytes_beside > 0) check_memory(plan, options);
   Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
-  std::error_code ignored;  // a pipe has no size
-  const auto size = std::filesystem::file_size(output.path(), ignored);
-  outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
+  outcome.written_bytes = written_bytes(output.path());
   say(outcome, console);
   if (console.json()) print(outcome_json(outcome), output.path());
 }

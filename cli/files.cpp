@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kScene = "scene:";
 
 std::string extension_of(const fs::path& path) {
-  std::string extension = path.extension().string();
+  // A folder may be named with a slash at its end.
+  std::string extension = (path.has_filename() ? path : path.parent_path()).extension().string();
   if (!extension.empty()) extension.erase(0, 1);
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   return extension;
@@ -35,6 +36,12 @@ bool knows(const std::vector<FileFormat>& formats, const std::string& extension,
   });
 }
 
+bool is_folder_format(const fs::path& path) {
+  return std::ranges::any_of(field_formats(), [extension = extension_of(path)](const FileFormat& format) {
+    return format.folder && format.extension == extension;
+  });
+}
+
 }  // namespace
 
 FileKind kind_of(const fs::path& path) {
@@ -42,6 +49,8 @@ FileKind kind_of(const fs::path& path) {
   if (extension_of(path) == "query") return FileKind::query;
   return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
 }
+
+bool is_store(const fs::path& path) { return is_folder_format(path); }
 
 void check_input(const std::string& name) {
   if (name == "-")
@@ -55,6 +64,7 @@ void check_input(const std::string& name) {
   }
   std::error_code ignored;
   const auto status = fs::status(name, ignored);
+  if (fs::is_directory(status) && is_folder_format(name)) return;
   if (fs::is_fifo(status) || (fs::is_regular_file(status) && ::access(name.c_str(), R_OK) == 0)) return;
   read_text(name);  // says why it cannot be read
 }
@@ -136,7 +146,8 @@ void FileOutput::check(const std::vector<FileFormat>& formats) const {
 
 bool FileOutput::in_the_way() const {
   std::error_code ignored;
-  return !force_ && fs::is_regular_file(fs::status(path_, ignored));
+  const auto status = fs::status(path_, ignored);
+  return !force_ && (fs::is_regular_file(status) || (fs::is_directory(status) && is_folder_format(path_)));
 }
 
 void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
@@ -145,7 +156,7 @@ void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
   };
   std::error_code ignored;
   const auto status = fs::status(path_, ignored);
-  if (fs::is_directory(status)) fail(ErrorCode::output, "it is a folder; give the name of a file");
+  if (fs::is_directory(status) && !is_folder_format(path_)) fail(ErrorCode::output, "it is a folder; give the name of a file");
   if (!knows(formats, extension_of(path_), true)) {
     const auto extension = extension_of(path_);
     fail(ErrorCode::usage, (extension.empty() ? "the name has no extension" : "cannot write ." + extension + " here") +
@@ -156,6 +167,18 @@ void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
     fail(ErrorCode::output, "the folder " + folder.string() + " does not exist; create it first");
   if (::access(fs::exists(status) ? path_.c_str() : folder.c_str(), W_OK) != 0)
     fail(ErrorCode::output, "permission denied; choose a file and folder that you may write");
+}
+
+std::int64_t written_bytes(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
+    const auto bytes = fs::file_size(path, ignored);
+    return ignored ? 0 : static_cast<std::int64_t>(bytes);
+  }
+  std::int64_t sum = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(path, ignored))
+    if (entry.is_regular_file(ignored)) sum += static_cast<std::int64_t>(entry.file_size(ignored));
+  return sum;
 }
 
 FileOutput FileOutput::beside(const fs::path& path) const {

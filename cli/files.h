@@ -22,8 +22,11 @@ enum class FileKind { mesh, field, body, query };
 /// Decides by the extension. A name without a known one is a mesh's, because meshes are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
 
-/// Checks an input's name before anything is read or written: a scene must exist; a file must exist, be no folder, and
-/// be readable. Errors: usage (scene), input.
+/// Whether the name is that of a Zarr store, which is read part by part (standoff/zarr.h).
+bool is_store(const std::filesystem::path& path);
+
+/// Checks an input's name before anything is read or written: a scene must exist; a file must exist, be no folder (but
+/// where its format is one), and be readable. Errors: usage (scene), input.
 void check_input(const std::string& name);
 
 /// A mesh made by code, as `scene:NAME[:TRIANGLES]` names it.
@@ -74,7 +77,8 @@ class FileOutput {
   const std::filesystem::path& path() const { return path_; }
   void set_path(const std::filesystem::path& path) { path_ = path; }
   /// Checks before any work that the file can be written. Errors: usage, for an unknown extension and for a file in the
-  /// way without -f; output, for a folder in the way or a missing one.
+  /// way without -f; output, for a folder in the way or a missing one. Where the format is a folder, one in the way is
+  /// as a file.
   void check(const std::vector<FileFormat>& formats) const;
   /// Does the same, but accepts a file in the way.
   void check_name(const std::vector<FileFormat>& formats) const;
@@ -96,6 +100,9 @@ class FileOutput {
   std::filesystem::path path_;
   bool force_ = false;
 };
+
+/// The bytes of a file, or of all files of a folder. A pipe has 0.
+std::int64_t written_bytes(const std::filesystem::path& path);
 
 /// "MESH: 12 triangles, 8 vertices".
 std::string mesh_line(const std::string& name, const Mesh& mesh);

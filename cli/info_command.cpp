@@ -17,6 +17,7 @@
 #include "standoff/inspect.h"
 #include "standoff/io.h"
 #include "standoff/mesh_report.h"
+#include "standoff/zarr.h"
 
 namespace standoff::cli {
 namespace {
@@ -201,53 +202,79 @@ void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const C
         row("hash", hash_text(content_hash(mesh))));
 }
 
+// What is known of a field before any of its samples: name, grid, thickness, provenance.
+Json json_field(const std::string& name, bool nearest, const Provenance& from, const Grid& grid, double thickness) {
+  Json json = json_answer("info");
+  json["kind"] = "field";
+  json["field"] = {{"file", name},      {"nearest", nearest},        {"sidecars", Json::array()}, {"method", from.method},
+                   {"sign", from.sign}, {"version", from.version}};
+  json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
+  json["grid"] = json_grid(grid);
+  json["thickness"] = json_number(thickness);
+  return json;
+}
+
+std::string grid_rows(const std::string& name, const Grid& g, double thickness) {
+  return row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
+         row("origin", point_text(g.corner())) + row("to", point_text(g.bounds().max)) +
+         row("spacing", spacing_text(g.spacing)) +
+         row("thickness", std::isinf(thickness) ? "infinite: every sample is a distance" : number(thickness));
+}
+
+std::string provenance_rows(const Provenance& from, const char* without_sign) {
+  const auto or_unknown = [](const std::string& text) {
+    return text.empty() ? std::string("unknown") : beginning(text, 200);
+  };
+  return row("sign", from.sign.empty() ? without_sign : beginning(from.sign, 200)) +
+         row("method", or_unknown(from.method) + ", standoff " + or_unknown(from.version)) +
+         row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash));
+}
+
+// Of a store the metadata alone, which is read at once however large it is.
+void tell_store(const std::string& name, const Console& console) {
+  const ZarrStore store = ZarrStore::open(name);
+  const Size3 shard = store.shard(), chunk = store.chunk();
+  if (console.json()) {
+    Json json = json_field(name, store.has_nearest(), store.provenance(), store.grid(), store.thickness());
+    json["store"] = {{"shard", json_size(shard)}, {"chunk", json_size(chunk)}, {"bytes", written_bytes(name)}};
+    return print(json);
+  }
+  print(grid_rows(name, store.grid(), store.thickness()) +
+        row("store", "Zarr 3, " + bytes_text(written_bytes(name)) + "; shards of " + size_text(shard) + ", chunks of " +
+                         size_text(chunk)) +
+        row("nearest", store.has_nearest() ? "triangles stored" : "not stored") +
+        provenance_rows(store.provenance(), "none, or method unknown"));
+}
+
 void tell_field(const std::string& name, const FieldArgument& input, const Console& console) {
   const FieldFile file = input.read_file(name, console);
   const DistanceField& field = file.field;
   const Grid& g = field.grid();
   const FieldSummary found = inspect(field);
-  const Provenance& from = field.provenance();
   const std::int64_t tiles = field.tile_count().count();
   if (console.json()) {
-    Json json = json_answer("info");
-    json["kind"] = "field";
-    json["field"] = {
-        {"file", name},      {"nearest", field.has_nearest()}, {"sidecars", Json::array()}, {"method", from.method},
-        {"sign", from.sign}, {"version", from.version}};
+    Json json = json_field(name, field.has_nearest(), field.provenance(), g, field.thickness());
     for (const Sidecar& sidecar : file.sidecars) json["field"]["sidecars"].push_back(sidecar.name);
-    json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
-    json["grid"] = json_grid(g);
-    json["thickness"] = json_number(field.thickness());
     json["values"] = {{"min", json_number(found.min)}, {"max", json_number(found.max)}, {"nan", found.nan}};
     json["samples"] = {{"total", g.sample_count()}, {"band", found.band}};
     json["tiles"] = {{"total", tiles}, {"stored", field.stored_tiles()}};
     json["memory_bytes"] = field.memory_bytes();
     return print(json);
   }
-  const auto or_unknown = [](const std::string& text) {
-    return text.empty() ? std::string("unknown") : beginning(text, 200);
-  };
-  const std::string made = or_unknown(from.method) + ", standoff " + or_unknown(from.version);
   std::string sidecars;
   for (const Sidecar& sidecar : file.sidecars)
     sidecars += (sidecars.empty() ? "" : ", ") + beginning(sidecar.name, 100) +
                 (sidecar.components > 1 ? " (" + std::to_string(sidecar.components) + " numbers)" : "");
-  print(
-      row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
-      row("origin", point_text(g.corner())) + row("to", point_text(g.bounds().max)) +
-      row("spacing", spacing_text(g.spacing)) +
-      row("thickness",
-          std::isinf(field.thickness()) ? "infinite: every sample is a distance" : number(field.thickness())) +
-      row("values", number(found.min) + " to " + number(found.max) +
-                        (found.nan > 0 ? "; " + counted(found.nan, "sample") + " not a number" : "")) +
-      row("band", counted(found.band, "sample") +
-                      (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
-      row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
-                       bytes_text(field.memory_bytes()) + " in memory") +
-      row("nearest", field.has_nearest() ? "triangles stored" : "not stored") +
-      (sidecars.empty() ? "" : row("sidecars", sidecars)) +
-      row("sign", from.sign.empty() ? (found.min < 0 ? "signed, method unknown" : "none") : beginning(from.sign, 200)) +
-      row("method", made) + row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)));
+  print(grid_rows(name, g, field.thickness()) +
+        row("values", number(found.min) + " to " + number(found.max) +
+                          (found.nan > 0 ? "; " + counted(found.nan, "sample") + " not a number" : "")) +
+        row("band", counted(found.band, "sample") +
+                        (field.has_nearest() || std::isinf(field.thickness()) ? "" : " nearer than the thickness")) +
+        row("tiles", grouped(field.stored_tiles()) + " of " + grouped(tiles) + " stored, " +
+                         bytes_text(field.memory_bytes()) + " in memory") +
+        row("nearest", field.has_nearest() ? "triangles stored" : "not stored") +
+        (sidecars.empty() ? "" : row("sidecars", sidecars)) +
+        provenance_rows(field.provenance(), found.min < 0 ? "signed, method unknown" : "none"));
 }
 
 void tell_body(const std::string& name, const Console& console) {
@@ -280,6 +307,7 @@ struct InfoCommand {
     const bool is_mesh = kind_of(input.name()) != FileKind::field && kind_of(input.name()) != FileKind::body;
     if (!is_mesh && options.spacing > 0)
       throw Error(ErrorCode::usage, "--spacing: " + input.name() + " is no mesh; leave it out");
+    if (is_store(input.name())) return tell_store(input.name(), console);
     if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, console);
     field.check_unused(input.name());
     if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), console);

@@ -2,8 +2,8 @@
 #include "cli/json.h"
 
 #include <cmath>
-#include <system_error>
 
+#include "cli/files.h"
 #include "standoff/version.h"
 
 namespace standoff::cli {
@@ -42,9 +42,7 @@ Json json_triangle(std::uint32_t triangle) {
 }
 
 Json json_output(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto bytes = std::filesystem::file_size(path, ignored);
-  return {{"file", path.string()}, {"bytes", ignored ? 0 : bytes}};
+  return {{"file", path.string()}, {"bytes", written_bytes(path)}};
 }
 
 std::string json_text(const Json& json) { return indented(json, "") + "\n"; }

@@ -12,6 +12,7 @@
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/error.h"
+#include "standoff/zarr.h"
 
 namespace standoff::cli {
 namespace {
@@ -35,6 +36,9 @@ struct SliceCommand {
 
   void add_to(CLI::App& verb);
   void run();
+
+ private:
+  DistanceField read(SlicePlane& plane);
 };
 
 void SliceCommand::add_to(CLI::App& verb) {
@@ -80,17 +84,45 @@ void SliceCommand::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
 
+// Reads what the picture needs, sets its plane, and says which it is. Of a store, where the options name the plane, that
+// is the plane alone.
+DistanceField SliceCommand::read(SlicePlane& plane) {
+  const auto draw = [&](std::int64_t index) {
+    options.axis = plane.axis;
+    options.index = index;
+  };
+  if (!is_store(field) || !options.axis || !(options.at || options.index)) {
+    DistanceField whole = input.read(field, console);
+    plane = slice_plane(whole, options);
+    draw(plane.index);
+    return whole;
+  }
+  const ZarrStore store = ZarrStore::open(field);
+  const Grid& grid = store.grid();
+  const auto axis = static_cast<std::size_t>(*options.axis);
+  Grid line = grid;  // has the planes that the options may name, and hardly a sample beside
+  line.size = {1, 1, 1};
+  line.size[axis] = grid.size[axis];
+  plane = slice_plane(DistanceField(line, 1), options);
+  Size3 first{}, size = grid.size;
+  first[axis] = plane.index;
+  size[axis] = 1;
+  draw(0);
+  options.part = {plane.index, grid.size[axis]};
+  return with_spinner(console, "reading " + field, [&] {
+    return store.read(first, size, {.memory_limit = input.memory_limit()});
+  });
+}
+
 void SliceCommand::run() {
   if (!output.given()) output.set_path(std::filesystem::path(field).stem().string() + ".png");
   check_input(field);
   output.check({{"png", "PNG picture", false, true}});
   output.check_differs(field);
-  const DistanceField loaded = input.read(field, console);
   options.title = title.value_or(std::filesystem::path(field).filename().string());
   options.contours = !no_contours;
-  const SlicePlane plane = slice_plane(loaded, options);
-  options.axis = plane.axis;
-  options.index = plane.index;
+  SlicePlane plane;
+  const DistanceField loaded = read(plane);
   write_slice_png(output.path(), loaded, options, output.existing());
   const std::string axis(1, "xyz"[static_cast<int>(plane.axis)]);
   console.say(output.path().string() + ": the plane of " + field + " at " + axis + " = " + number(plane.position) +

@@ -56,7 +56,11 @@ endfunction()
 include(cmake/rooms.cmake)
 
 # Meshes, grids, fields and their files: what every reader and writer stands on.
-standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp io/points/*.cpp io/arrays/*.cpp LIBRARIES ZLIB::ZLIB)
+standoff_component(core FILES ${STANDOFF_GROUND_FILES} io/mesh/*.cpp io/field/*.cpp io/zarr/*.cpp io/points/*.cpp io/arrays/*.cpp
+                   LIBRARIES ZLIB::ZLIB ${STANDOFF_BLOSC})
+if(STANDOFF_BLOSC)
+  target_compile_definitions(standoff_core PRIVATE STANDOFF_HAVE_BLOSC)
+endif()
 
 # CUDA kernels, or what says that there are none.
 if(STANDOFF_HAVE_CUDA)

@@ -32,6 +32,9 @@ install(DIRECTORY include/standoff TYPE INCLUDE COMPONENT dev)
 install(EXPORT standoff-targets NAMESPACE standoff:: DESTINATION ${STANDOFF_PACKAGE_DIR} COMPONENT dev)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/standoff-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/standoff-config-version.cmake
         DESTINATION ${STANDOFF_PACKAGE_DIR} COMPONENT dev)
+if("Blosc" IN_LIST STANDOFF_LINKED_PACKAGES)
+  install(FILES cmake/FindBlosc.cmake DESTINATION ${STANDOFF_PACKAGE_DIR} COMPONENT dev)
+endif()
 # The second is of the font that pictures are written with.
 set(STANDOFF_LICENCES LICENSE src/render/font/OFL.txt)
 install(FILES ${STANDOFF_LICENCES} TYPE DOC COMPONENT program)

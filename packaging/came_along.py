@@ -11,7 +11,7 @@ import standoff as so
 package = Path(so.__file__).parent
 for line in Path("/proc/self/maps").read_text().splitlines():
     library = line.split()[-1]
-    if any(part in library for part in ("libtbb", "libpng", "libmeshoptimizer", "libboost")):
+    if any(part in library for part in ("libtbb", "libpng", "libblosc", "libzstd", "libmeshoptimizer", "libboost")):
         assert package.parent in Path(library).parents, library
 
 files = [Path(file) for file in importlib.metadata.files("standoff") or []]

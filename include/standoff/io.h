@@ -32,6 +32,7 @@ struct FileFormat {
   bool slabs = false;     ///< fields only: can be written slab by slab
   bool sparse =
       false;  ///< fields only: stores whole tiles and tables of them, so that a sample may take more than 4 bytes
+  bool folder = false;  ///< fields only: a folder of files, not a file
 };
 
 /// The formats that this build can read or write.

@@ -40,3 +40,4 @@
 #include "standoff/version.h"
 #include "standoff/voxels.h"
 #include "standoff/windows.h"
+#include "standoff/zarr.h"

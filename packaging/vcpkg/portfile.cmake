@@ -5,6 +5,7 @@ get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
 
 vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options
   FEATURES
+    blosc   STANDOFF_WITH_BLOSC
     cuda    STANDOFF_WITH_CUDA
     meshopt STANDOFF_WITH_MESHOPT
     png     STANDOFF_WITH_PNG

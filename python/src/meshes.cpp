@@ -45,6 +45,7 @@ std::vector<nb::dict> dicts_of(const std::vector<FileFormat>& formats) {
     d["readable"] = f.readable;
     d["writable"] = f.writable;
     d["nearest"] = f.nearest;
+    d["folder"] = f.folder;
     all.push_back(std::move(d));
   }
   return all;

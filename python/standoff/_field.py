@@ -385,5 +385,5 @@ def load(path: PathLike, *, memory_limit: int | None = None) -> DistanceField:
         InputError: the file is damaged, or no field.
         LimitError: it needs more than `memory_limit` bytes, by default 80 % of the machine's.
     """
-    expect_file(path)
+    expect_file(path, ["." + known["extension"] for known in _core.field_formats() if known["folder"]])
     return DistanceField._of_native(_core.read_field(path, memory_limit_of(memory_limit)))

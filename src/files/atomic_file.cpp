@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/atomic_file.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -67,7 +68,9 @@ std::string reason(int error, const std::filesystem::path& folder) {
   }
 }
 
-// Different for every file of every process: the time tells apart processes that share a number in other namespaces.
+}  // namespace
+
+// The time tells apart processes that share a number in other namespaces.
 std::string unfinished_name() {
   static std::atomic<unsigned> count{0};
   const auto now = static_cast<unsigned long long>(std::chrono::system_clock::now().time_since_epoch().count());
@@ -76,7 +79,11 @@ std::string unfinished_name() {
   return name.data();
 }
 
-// Where the links of a name end, even if nothing is there yet. Where they lead in a circle, opening the file says so.
+void fail_to_write(const std::filesystem::path& shown, int error, const std::filesystem::path& folder) {
+  throw Error(ErrorCode::output, shown.string() + ": cannot write it: " + reason(error, folder),
+              {.file = shown.string()});
+}
+
 std::filesystem::path end_of_links(std::filesystem::path path) {
   constexpr int kMostLinks = 40;  // as many as Linux follows
   std::error_code no_link;
@@ -87,6 +94,8 @@ std::filesystem::path end_of_links(std::filesystem::path path) {
   }
   return path;
 }
+
+namespace {
 
 std::string handle_of(int file) { return "/proc/self/fd/" + std::to_string(file); }
 
@@ -272,10 +281,7 @@ void AtomicFile::discard() noexcept {
   slot_ = -1;
 }
 
-void AtomicFile::fail(int error) const {
-  throw Error(ErrorCode::output, shown_.string() + ": cannot write it: " + reason(error, target_.parent_path()),
-              {.file = shown_.string()});
-}
+void AtomicFile::fail(int error) const { fail_to_write(shown_, error, target_.parent_path()); }
 
 std::string read_text(const std::filesystem::path& path) try {
   try {
@@ -347,26 +353,39 @@ struct Finishing : Slot {
 
 std::atomic<int> straight{0};
 
-// Of a folder that has no folders in it. What readdir does by the heap is done by system calls.
-void remove_folder(const char* name) noexcept {
+// Removes what is in an open folder, and in the folders in it; closes it. What readdir does by the heap is done by
+// system calls. Each folder within another takes 4 KiB of the stack.
+void empty_folder(int folder, int deepest) noexcept {
 #ifdef SYS_getdents64
-  const int folder = ::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
   alignas(8) char entries[4096];
-  constexpr long kLength = 16, kName = 19;  // of struct linux_dirent64
+  constexpr long kLength = 16, kType = 18, kName = 19;  // of struct linux_dirent64
   for (long got; (got = ::syscall(SYS_getdents64, folder, entries, sizeof entries)) > 0;)
     for (long at = 0; at < got;) {
-      ::unlinkat(folder, entries + at + kName, 0);
+      const char* const name = entries + at + kName;
+      const bool itself = std::strcmp(name, ".") == 0 || std::strcmp(name, "..") == 0;
+      if (!itself && entries[at + kType] == DT_DIR && deepest > 0) {
+        const int inner = ::openat(folder, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+        if (inner >= 0) empty_folder(inner, deepest - 1);
+        ::unlinkat(folder, name, AT_REMOVEDIR);
+      } else if (!itself) {
+        ::unlinkat(folder, name, 0);
+      }
       std::uint16_t length;
       std::memcpy(&length, entries + at + kLength, sizeof length);
       at += length;
     }
-  ::close(folder);
 #endif
-  ::rmdir(name);
+  ::close(folder);
 }
 
 }  // namespace
+
+void remove_folder(const char* name) noexcept {
+  constexpr int kDeepest = 32;
+  const int folder = ::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (folder >= 0) empty_folder(folder, kDeepest);
+  ::rmdir(name);
+}
 
 int note_unfinished(const std::filesystem::path& path) noexcept {
   const auto& name = path.native();

@@ -89,6 +89,15 @@ class AtomicFile {
   std::size_t buffered_ = 0;
 };
 
+/// Throws Error{output} "SHOWN: cannot write it: WHY; WHAT TO DO" for a number of errno. `folder` is the file's.
+[[noreturn]] void fail_to_write(const std::filesystem::path& shown, int error, const std::filesystem::path& folder);
+
+/// The name of an unfinished file or folder: ".standoff-*.part", another one at each call and in each process.
+std::string unfinished_name();
+
+/// Where the links of a name end, even if nothing is there yet. Where they lead in a circle, opening the file says so.
+std::filesystem::path end_of_links(std::filesystem::path path);
+
 /// The bytes of a file. Errors: input; limit when memory runs out.
 std::string read_text(const std::filesystem::path& path);
 /// Writes bytes as they are; the file appears whole or not at all. Errors: output.
@@ -120,6 +129,9 @@ int note_unfinished(const std::filesystem::path& path) noexcept;
 
 /// Frees a slot; -1 is ignored.
 void forget_unfinished(int slot) noexcept;
+
+/// Removes a folder with all that is in it, as far as that can be done; no link is followed. Async-signal-safe.
+void remove_folder(const char* name) noexcept;
 
 /// Takes note that the file `file` (an open descriptor, or a folder's) is about to get the name `target`, its last
 /// step.

@@ -214,6 +214,10 @@ Plane plane_of(const DistanceField& field, const SliceOptions& options) {
       field.copy_slices(plane.index, 1, plane.values);
       break;
   }
+  if (options.part) {
+    plane.index += options.part->first;
+    plane.count = options.part->count;
+  }
   return plane;
 }
 

@@ -275,7 +275,7 @@ TEST(RefusedMemory, Files) {
   }
   DistanceField plain = field;
   plain.erase_nearest();
-  for (const char* name : {"a.nrrd", "a.vdb", "a.nvdb"}) {
+  for (const char* name : {"a.nrrd", "a.vdb", "a.nvdb", "a.zarr"}) {
     const auto path = folder / name;
     expect_limit_error(name, [&] { write_field(path, plain, {.threads = 1}); });
     expect_limit_error(name, [&] { read_field(path); });

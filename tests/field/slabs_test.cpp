@@ -191,7 +191,7 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
   for (const Grid& grid : grids)
     for (const bool open : {false, true})
       for (const double thickness : {0.07, kFullField})
-        for (const std::string name : {"a.vti", "a.npz", "a.nrrd"})
+        for (const std::string name : {"a.vti", "a.npz", "a.nrrd", "a.zarr"})
           for (const bool compress : {true, false}) {
             const Mesh mesh = open ? open_ball() : ball_mesh(1, 6);
             const FieldWriteOptions written{.compress = compress, .threads = 2};
@@ -244,7 +244,7 @@ class Sliced final : public FieldSlabs {
 TEST(Slabs, MayComeFromAnywhere) {
   const TempFolder folder;
   const DistanceField field = compute(ball_mesh(1, 6), kSlabsGrid, 0.2, by(SignMethod::winding)).field;
-  for (const std::string name : {"a.vti", "a.npz", "a.nrrd"}) {
+  for (const std::string name : {"a.vti", "a.npz", "a.nrrd", "a.zarr"}) {
     write_field(folder / name, field);
     const std::string whole = read_bytes(folder / name);
     Sliced slabs(field, {5, 1, 6, 40, 25});
@@ -263,7 +263,7 @@ TEST(Slabs, WhatTheirFilesCannotBe) {
   SlabComputation slabs(ball, kSlabsGrid, 0.2, by(SignMethod::none));
   for (const std::string name : {"a.vdb", "a.nvdb"})
     expect_error([&] { write_field(folder / name, slabs); }, ErrorCode::usage,
-                 "write .vti or .nrrd or .npz, or compute the whole field");
+                 "write .vti or .nrrd or .npz or .zarr, or compute the whole field");
   ComputeOptions options = by(SignMethod::none);
   options.nearest = true;
   SlabComputation with_nearest(ball, kSlabsGrid, 0.2, options);

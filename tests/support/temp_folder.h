@@ -7,13 +7,23 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
 
 namespace standoff {
 
+/// Of a folder: the names and the bytes of all files in it, also in folders in it.
 inline std::string read_bytes(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
+      if (entry.is_regular_file()) files[entry.path().lexically_relative(path).string()] = read_bytes(entry.path());
+    std::string all;
+    for (const auto& [name, bytes] : files) all += name + "\n" + bytes + "\n";
+    return all;
+  }
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }

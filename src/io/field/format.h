@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string_view>
 
 #include "files/atomic_file.h"
@@ -19,6 +20,9 @@ struct FieldRequest {
   bool sidecars = true;
 };
 
+class ProgressMeter;
+struct FolderFormat;
+
 /// A reader throws Error{input} as `FILE:WHERE: what; what to do`, and Error{limit} where field and sidecars would take
 /// more than the memory limit, before they take it.
 struct FieldFormat {
@@ -28,10 +32,18 @@ struct FieldFormat {
   bool sidecars = false;  ///< can carry sidecars
   bool slabs = false;     ///< can be written slab by slab
   bool sparse = false;    ///< stores whole tiles and tables of them; else a number for each sample
-  FieldFile (*read)(const FileView&, const FieldRequest&);
+  FieldFile (*read)(const FileView&, const FieldRequest&) = nullptr;
   /// Everything but the commit, of a field or, if the format can, of slabs. Sidecars, if the format can carry them,
   /// have been checked.
-  void (*write)(AtomicFile&, const FieldSource&, const FieldWriteOptions&);
+  void (*write)(AtomicFile&, const FieldSource&, const FieldWriteOptions&) = nullptr;
+  /// Of a format of folders, in place of `read` and `write`. The writer commits.
+  const FolderFormat* folder = nullptr;
+};
+
+/// How fields are read and written whose format is a folder of files.
+struct FolderFormat {
+  FieldFile (*read)(const std::filesystem::path&, const FieldRequest&, ProgressMeter&);
+  void (*write)(const std::filesystem::path&, const FieldSource&, const FieldWriteOptions&, ProgressMeter&);
 };
 
 /// The table, in the order of help and messages.
@@ -40,7 +52,8 @@ struct FieldFormat {
   ROW(Nrrd)                         \
   ROW(Npz)                          \
   ROW(Vdb)                          \
-  ROW(Nvdb)
+  ROW(Nvdb)                         \
+  ROW(Zarr)
 
 #define STANDOFF_ROW(format) extern const FieldFormat kField##format;
 STANDOFF_FIELD_FORMATS(STANDOFF_ROW)

@@ -22,7 +22,7 @@ constexpr const FieldFormat* kFieldFormats[] = {STANDOFF_FIELD_FORMATS(STANDOFF_
 #undef STANDOFF_ROW
 
 const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) {
-  std::string extension = path.extension().string();
+  std::string extension = (path.has_filename() ? path : path.parent_path()).extension().string();  // a.zarr/
   if (!extension.empty()) extension.erase(0, 1);
   if (const FieldFormat* format = find_field_format(extension)) return *format;
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -44,15 +44,21 @@ std::string those_with(bool FieldFormat::*can) {
   return names;
 }
 
+FieldFile read_file(const std::filesystem::path& path, const FieldFormat& format, const FieldRequest& request,
+                    ProgressMeter& meter) {
+  // The file is mapped: a dense file can be larger than memory, while its field is small.
+  const FileView file(path, FileView::Access::map, meter);
+  if (file.size() == 0) file.fail("the file is empty; write it again");
+  return format.read(file, request);
+}
+
 FieldFile read(const std::filesystem::path& path, const FieldReadOptions& options, bool sidecars) {
   const FieldFormat& format = format_of(path, ErrorCode::input);
   ProgressMeter meter(options.progress);
   meter.stage("read", 1, 0, 1);
-  // The file is mapped: a dense file can be larger than memory, while its field is small.
-  const FileView file(path, FileView::Access::map, meter);
-  if (file.size() == 0) file.fail("the file is empty; write it again");
+  const FieldRequest request{memory_limit_of(options.memory_limit), sidecars};
   try {
-    FieldFile found = format.read(file, {memory_limit_of(options.memory_limit), sidecars});
+    FieldFile found = format.folder ? format.folder->read(path, request, meter) : read_file(path, format, request, meter);
     meter.stage("done", 1, 1, 1);
     return found;
   } catch (const std::bad_alloc&) {
@@ -68,6 +74,7 @@ void write(const std::filesystem::path& path, const FieldFormat& format, const F
            const FieldWriteOptions& options) {
   ProgressMeter meter(options.progress);
   meter.stage("write", 1, 0, 1);
+  if (format.folder) return format.folder->write(path, source, options, meter);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);
   format.write(file, source, options);
@@ -86,7 +93,7 @@ const FieldFormat* find_field_format(std::string_view extension) {
 std::vector<FileFormat> field_formats() try {
   std::vector<FileFormat> formats;
   for (const FieldFormat* f : kFieldFormats)
-    formats.push_back({f->extension, f->description, true, true, f->nearest, f->sidecars, f->slabs, f->sparse});
+    formats.push_back({f->extension, f->description, true, true, f->nearest, f->sidecars, f->slabs, f->sparse, f->folder != nullptr});
   return formats;
 } catch (...) {
   throw_as_error("formats");

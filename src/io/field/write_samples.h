@@ -121,6 +121,7 @@ class FieldSource {
   double thickness() const { return thickness_; }
   const Provenance& provenance() const { return provenance_; }
   /// The whole field. Only a source that was made of a field has it.
+  bool is_whole() const { return whole_ != nullptr; }
   const DistanceField& whole() const { return *whole_; }
   /// Distances, nearest triangles where there are any, sidecars.
   const std::vector<SampleArray>& arrays() const { return arrays_; }

@@ -21,7 +21,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/gltf_data.h"
-#include "io/mesh/json_view.h"
+#include "files/json_view.h"
 #include "io/mesh/scene.h"
 
 namespace standoff {

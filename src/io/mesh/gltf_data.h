@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "files/file_view.h"
-#include "io/mesh/json_view.h"
+#include "files/json_view.h"
 #include "io/mesh/stored_type.h"
 #include "standoff/vec.h"
 

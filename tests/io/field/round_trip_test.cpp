@@ -93,7 +93,7 @@ TEST_P(EveryFieldFormat, KeepsNearestTrianglesOrSaysThatItCannot) {
   const DistanceField field = odd_field(odd_grid(), 4200.5, true);
   if (GetParam().nearest) return expect_same(through_file(field), field);
   expect_error([&] { write_field(path(), field); }, ErrorCode::usage,
-               "cannot carry nearest triangles; write .vti or .npz, or compute without them");
+               "cannot carry nearest triangles; write .vti or .npz or .zarr, or compute without them");
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/mesh/json_view.h"
+#include "files/json_view.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/zarr/shard.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ranges>
+
+#include "core/field_error.h"
+#include "io/zarr/blosc.h"
+#include "standoff/error.h"
+
+namespace standoff::zarr {
+namespace {
+
+constexpr std::array<std::uint32_t, 256> make_crc_table() {
+  constexpr std::uint32_t kPolynomial = 0x82f63b78;  // bits reversed
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t n = 0; n < 256; ++n) {
+    std::uint32_t crc = n;
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? kPolynomial : 0);
+    table[n] = crc;
+  }
+  return table;
+}
+constexpr std::array<std::uint32_t, 256> kCrcTable = make_crc_table();
+
+constexpr const char* kWriteAgain = "; the file is damaged, write the store again";
+
+}  // namespace
+
+std::uint32_t crc32c(std::span<const std::byte> bytes) {
+  std::uint32_t crc = ~std::uint32_t{0};
+  for (const std::byte byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ static_cast<std::uint32_t>(byte)) & 0xff];
+  return ~crc;
+}
+
+bool ShardIndex::empty() const { return std::ranges::none_of(entries_, &Entry::stored); }
+
+std::vector<std::byte> ShardIndex::bytes() const {
+  static_assert(sizeof(Entry) == 16);
+  std::vector<std::byte> bytes(size_of(chunks_));
+  const std::size_t entries = bytes.size() - sizeof(std::uint32_t);
+  std::memcpy(bytes.data(), entries_.data(), entries);
+  const std::uint32_t crc = crc32c(std::span(bytes).first(entries));
+  std::memcpy(bytes.data() + entries, &crc, sizeof crc);
+  return bytes;
+}
+
+bool ShardIndex::read(std::span<const std::byte> bytes) {
+  const std::size_t entries = bytes.size() - sizeof(std::uint32_t);
+  std::memcpy(entries_.data(), bytes.data(), entries);
+  std::uint32_t crc;
+  std::memcpy(&crc, bytes.data() + entries, sizeof crc);
+  return crc == crc32c(bytes.first(entries));
+}
+
+StoredShard::StoredShard(const StoredLayout& layout, const Size3& at)
+    : layout_(&layout), path_(layout.folder / layout.file_name(at)) {
+  if (!layout.sharded) {
+    there_ = ::access(path_.c_str(), F_OK) == 0 || errno != ENOENT;
+    return;
+  }
+  file_ = open();
+  there_ = file_.number() >= 0;
+  if (there_) read_index();
+}
+
+Descriptor StoredShard::open() const {
+  Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would wait
+  if (file.number() < 0 && errno == ENOENT) return file;
+  struct stat about {};
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
+  if (!S_ISREG(about.st_mode)) fail("", "it is no regular file, as shards are; write the store again");
+  return file;
+}
+
+std::uint64_t StoredShard::size_of(const Descriptor& file) const {
+  struct stat about {};
+  if (::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
+  return static_cast<std::uint64_t>(about.st_size);
+}
+
+void StoredShard::read_index() {
+  index_ = ShardIndex(layout_->chunks());
+  std::vector<std::byte> bytes(ShardIndex::size_of(layout_->chunks()));
+  const std::uint64_t size = size_of(file_);
+  if (size < bytes.size())
+    fail("index", "the file has " + std::to_string(size) + " bytes, where its index alone has " +
+                      std::to_string(bytes.size()) + kWriteAgain);
+  read_bytes(file_, layout_->index_first ? 0 : size - bytes.size(), bytes);
+  if (!index_.read(bytes)) fail("index", std::string("its checksum is wrong") + kWriteAgain);
+}
+
+void StoredShard::read(const Size3& chunk, std::span<std::byte> out, UnpackedBytes& packed) const {
+  const auto fail_chunk = [&](const std::string& what) {
+    fail("chunk " + index_text(chunk.x, chunk.y, chunk.z), what.find("; ") == what.npos ? what + kWriteAgain : what);
+  };
+  const Descriptor alone = layout_->sharded ? Descriptor() : open();
+  const Descriptor& file = layout_->sharded ? file_ : alone;
+  if (file.number() < 0) fail("", "another program has removed it; give it time to end");
+  const std::uint64_t size = size_of(file);
+  const ShardIndex::Entry entry = layout_->sharded ? index_[chunk] : ShardIndex::Entry{0, size};
+  if (entry.offset > size || entry.bytes > size - entry.offset) fail_chunk("it reaches past the end of the file");
+  if (layout_->blosc ? entry.bytes > blosc_most(out.size()) : entry.bytes != out.size())
+    fail_chunk("it has " + std::to_string(entry.bytes) + " bytes, where " + std::to_string(out.size()) +
+               (layout_->blosc ? " unpacked ones never become so many" : " are needed"));
+  if (!layout_->blosc) return read_bytes(file, entry.offset, out);
+  if (!have_blosc()) fail("", std::string("its chunks are compressed by blosc, and ") + kWithoutBlosc);
+  const std::span bytes(reinterpret_cast<std::byte*>(packed.room(blosc_most(out.size()))), entry.bytes);
+  read_bytes(file, entry.offset, bytes);
+  if (const std::string wrong =
+          blosc_unpack({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, out);
+      !wrong.empty())
+    fail_chunk(wrong);
+}
+
+void StoredShard::read_bytes(const Descriptor& file, std::uint64_t offset, std::span<std::byte> out) const {
+  while (!out.empty()) {
+    const auto got = ::pread(file.number(), out.data(), out.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("", cannot_read(errno));
+    if (got == 0) fail("", "another program is shortening it; give it time to end");
+    offset += static_cast<std::uint64_t>(got);
+    out = out.subspan(static_cast<std::size_t>(got));
+  }
+}
+
+void StoredShard::fail(const std::string& where, const std::string& what) const {
+  FileView(path_, std::string_view()).fail(where, what);
+}
+
+}  // namespace standoff::zarr

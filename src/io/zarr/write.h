@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chunks out of fields, and the shards that they make: window by window, or a whole store in layers of chunks.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "io/zarr/metadata.h"
+#include "io/zarr/shard.h"
+#include "standoff/field.h"
+#include "standoff/zarr.h"
+
+namespace standoff {
+class ProgressMeter;
+}
+
+namespace standoff::zarr {
+
+/// Throws Error{usage} unless a store of this grid, thickness and layout can be written here.
+void check_writable(const Grid& grid, double thickness, const ZarrLayout& layout);
+
+/// The metadata of a new store.
+StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, double thickness,
+                          const Provenance& provenance, const ZarrLayout& layout);
+
+/// Writes the files zarr.json into a folder. `shown` stands in messages. Errors: output.
+void write_metadata(const StoreMetadata& store, const std::filesystem::path& folder,
+                    const std::filesystem::path& shown);
+
+/// Writes the shards of a window whose first sample is `first`: see ZarrStore::write.
+void write_window(const StoreMetadata& store, const Size3& first, const DistanceField& window, int threads,
+                  ProgressMeter& meter);
+
+/// Writes all shards of a store in ascending z, a layer of chunks after the other, into a folder that nobody else
+/// knows: chunks are appended to the files of their shards, so that no more than the chunks of some shards' layers is
+/// held. The files are those that write_window makes.
+class LayeredWriter {
+ public:
+  /// `shown` stands in messages. Store and meter must outlive it. `threads`: that pack; 0 for all.
+  LayeredWriter(const StoreMetadata& store, const std::filesystem::path& folder, const std::filesystem::path& shown,
+                int threads, ProgressMeter& meter);
+
+  /// Slices of a layer of chunks.
+  std::int64_t slices() const { return store_.distance.chunk.z; }
+  /// Writes the next layer: the slices of `field` from `first` on, slices() of them or what is left of the grid. `first`
+  /// is a multiple of 8. Errors: output, interrupted.
+  void write_layer(const DistanceField& field, std::int64_t first);
+
+ private:
+  struct Shard {
+    ShardIndex index;
+    std::uint64_t size = 0;
+  };
+  struct Array {
+    const StoredLayout* layout;
+    std::vector<Shard> shards;  // of a layer of shards, x fastest
+  };
+
+  void write_chunks(Array& array, std::size_t shard, const DistanceField& field, std::int64_t first);
+  void append_to(const Array& array, std::size_t shard, const std::vector<std::byte>& bytes) const;
+  Size3 shard_at(const Array& array, std::size_t shard) const;
+  void end_shards(Array& array);
+
+  const StoreMetadata& store_;
+  std::filesystem::path folder_, shown_;
+  const int threads_;
+  ProgressMeter& meter_;
+  std::vector<Array> arrays_;
+  std::int64_t layer_ = 0;
+};
+
+}  // namespace standoff::zarr
