@@ -19,7 +19,7 @@ ComputeOptions compute_options(const nb::handle& sign, const std::string& method
   return options;
 }
 
-nb::dict dict_of(const ComputeReport& r, double seconds) {
+nb::dict computation_dict(const ComputeReport& r, double seconds) {
   nb::dict d;
   d["method"] = r.method;
   d["backend"] = r.backend;

@@ -18,7 +18,7 @@ ComputeOptions compute_options(const nb::handle& sign, const std::string& method
                                const std::string& device, std::int64_t memory_limit);
 
 /// The report for standoff/_compute.py; `seconds` is what the call took.
-nb::dict dict_of(const ComputeReport& report, double seconds);
+nb::dict computation_dict(const ComputeReport& report, double seconds);
 
 /// Writes the seconds from here to the end of the scope.
 class Timed {

@@ -118,7 +118,7 @@ nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const st
     const Timed timed(seconds);
     reports = cuda::compute_each(requests, stream.on());
   }
-  return list_of(reports, [&](const ComputeReport& report) { return dict_of(report, seconds); });
+  return list_of(reports, [&](const ComputeReport& report) { return computation_dict(report, seconds); });
 }
 
 void copy_to_host(std::uintptr_t values, const nb::ndarray<float, nb::f_contig, nb::device::cpu>& out,

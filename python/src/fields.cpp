@@ -34,7 +34,7 @@ nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, con
     const Timed timed(seconds);
     return compute(mesh, grid.grid(), thickness, options);
   });
-  return nb::make_tuple(std::move(result.field), dict_of(result.report, seconds));
+  return nb::make_tuple(std::move(result.field), computation_dict(result.report, seconds));
 }
 
 nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
@@ -49,7 +49,7 @@ nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, cons
     const Timed timed(seconds);
     return compute_into(mesh, grid.grid(), thickness, values, options);
   });
-  return dict_of(done, seconds);
+  return computation_dict(done, seconds);
 }
 
 std::int64_t dense_bytes(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
@@ -58,10 +58,7 @@ std::int64_t dense_bytes(const VertexInput& vertices, const FaceInput& faces, co
       .dense;
 }
 
-std::array<std::int64_t, 3> shape_of(const DistanceField& field) {
-  const Size3 size = field.grid().size;
-  return {size.x, size.y, size.z};
-}
+Counts shape_of(const DistanceField& field) { return counts_of(field.grid().size); }
 
 void copy_dense(const DistanceField& field, const DenseOutput& out) {
   const Unlocked released;
@@ -260,11 +257,7 @@ void add_fields(nb::module_& m) {
                      const Vec3 s = f.grid().spacing;
                      return std::array{s.x, s.y, s.z};
                    })
-      .def_prop_ro("first",
-                   [](const DistanceField& f) {
-                     const Size3 n = f.grid().first;
-                     return std::array{n.x, n.y, n.z};
-                   })
+      .def_prop_ro("first", [](const DistanceField& f) { return counts_of(f.grid().first); })
       .def_prop_ro("thickness", &DistanceField::thickness)
       .def_prop_ro("provenance", &DistanceField::provenance)
       .def_prop_ro("has_nearest", &DistanceField::has_nearest)

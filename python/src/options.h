@@ -14,6 +14,11 @@
 namespace standoff::python {
 
 /// (nx, ny, nz), origin, spacing.
+/// Counts along the axes, as Python gives and gets them.
+using Counts = std::array<std::int64_t, 3>;
+inline Size3 size_of(const Counts& counts) { return {counts[0], counts[1], counts[2]}; }
+inline Counts counts_of(const Size3& size) { return {size.x, size.y, size.z}; }
+
 struct GridInput {
   std::array<std::int64_t, 3> size;
   std::array<double, 3> origin;

@@ -170,9 +170,7 @@ class Grid:
 
     def points(self) -> np.ndarray:
         """The position of every sample, ``(nx, ny, nz, 3)`` doubles."""
-        axes = [
-            o + s * np.arange(f, f + n) for o, s, f, n in zip(self.origin, self.spacing, self.first, self.shape)
-        ]
+        axes = [o + s * np.arange(f, f + n) for o, s, f, n in zip(self.origin, self.spacing, self.first, self.shape)]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
     def _core(self) -> _core.Grid:

@@ -63,7 +63,7 @@ class FieldWindows:
         sides = (window, window, window) if isinstance(window, int) else window
         self._window = triple(sides, "window", whole=True)
         self._asked = Sign.of(sign)
-        self._windows = _core.windows(
+        self._windows = _core.Windows(
             found.vertices,
             found.faces,
             self._grid._core(),
@@ -113,6 +113,10 @@ class FieldWindows:
     def is_reached(self, first: Sequence[int], shape: Sequence[int]) -> bool:
         """Whether some triangle may be within the thickness of a window. If not, all its values are clamped."""
         return self._windows.is_reached(triple(first, "first", whole=True), triple(shape, "shape", whole=True))
+
+    def is_empty(self, first: Sequence[int], shape: Sequence[int]) -> bool:
+        """Whether all values of a window are the thickness, outside. Of some such windows it says False."""
+        return self._windows.is_empty(triple(first, "first", whole=True), triple(shape, "shape", whole=True))
 
     def __iter__(self) -> Iterator[tuple[tuple[int, int, int], tuple[int, int, int]]]:
         """First sample and shape of the windows that make up the grid, x fastest."""

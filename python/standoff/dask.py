@@ -7,33 +7,34 @@ the order of its work can be seen in the result.
 
 from __future__ import annotations
 
+import contextlib
 import threading
+import time
 from collections import OrderedDict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._checks import triple
-from ._field import DistanceField
+from ._checks import flag, triple
+from ._errors import Error, UsageError
 from ._mesh import Mesh, as_mesh
-from ._options import Grid, Sign, grid_of
+from ._options import Grid, Progress, Sign, grid_of, progress_of
+from ._targets import Target, Triple
 from ._windows import FieldWindows
 
 try:
     import dask.array
-    from dask import delayed
     from dask.base import tokenize
+    from dask.delayed import delayed
 except ImportError as error:
     raise ImportError(
         f"standoff.dask needs {error.name}, which is not installed; pip install 'standoff[dask]'", name=error.name
     ) from None
 
 _MOST_PREPARED = 2  # meshes that a worker keeps prepared
-
-Triple = tuple[int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +60,7 @@ class _Job:
         grid, thickness = grid_of(lambda: found.bounds, *(sizes.pop(name, None) for name in order))
         if sizes:
             raise TypeError(f"there is no argument {', '.join(sizes)}; the sizes are {', '.join(order)}")
-        sides = (window, window, window) if isinstance(window, int) else window
-        side = triple(sides, "window", whole=True)
+        side = _sides(window, "window")
         if any(n < 1 or n % 16 for n in side):
             raise ValueError(f"window: must be multiples of 16 samples, not {side}: windows begin and end at bricks")
         Sign.of(sign)  # raises what is wrong with it
@@ -79,6 +79,10 @@ class _Job:
             device="auto" if self.threads is None else "cpu",
             threads=threads,
         )
+
+
+def _sides(samples: int | Sequence[int], what: str) -> Triple:
+    return triple((samples, samples, samples) if isinstance(samples, int) else samples, what, whole=True)
 
 
 _prepared: OrderedDict[str, FieldWindows] = OrderedDict()
@@ -155,10 +159,8 @@ def compute(
         band=band,
         thickness=thickness,
     )
-    chunks = tuple(
-        tuple(min(side, n - at) for at in range(0, n, side)) for n, side in zip(job.grid.shape, job.window)
-    )
-    return dask.array.map_blocks(
+    chunks = tuple(tuple(min(side, n - at) for at in range(0, n, side)) for n, side in zip(job.grid.shape, job.window))
+    array: dask.array.Array = dask.array.map_blocks(  # type: ignore[no-untyped-call]
         _block,
         job=delayed(job, name=f"standoff-mesh-{job.token}", traverse=False),
         dtype=np.float32,
@@ -166,3 +168,204 @@ def compute(
         meta=np.empty((0, 0, 0), np.float32),
         name=f"standoff-field-{job.token}",
     )
+    return array
+
+
+# Stores.
+
+
+@dataclass(frozen=True)
+class Written:
+    """What `write` did."""
+
+    shards: int
+    """Of the grid."""
+    computed: int
+    """Tasks that computed a window and wrote its shards."""
+    kept: int
+    """Windows that were there already."""
+    empty: int
+    """Windows whose values are all the thickness, outside: they have no shards."""
+    seconds: float
+
+
+def _write_window(job: _Job, target: Target, first: Triple, shape: Triple) -> Triple:
+    windows = _windows_of(job)
+    target.write(first, windows.field(first, shape), job.threads or _threads_here())
+    return first
+
+
+def _identity(job: _Job) -> _Job:
+    return job
+
+
+def write(
+    url: Any,
+    mesh: Any,
+    grid: Grid | None = None,
+    *,
+    resolution: int | None = None,
+    spacing: float | Sequence[float] | None = None,
+    shape: Sequence[int] | None = None,
+    padding: float | None = None,
+    band: float | None = None,
+    thickness: float | None = None,
+    sign: str | Sign | None = "auto",
+    method: str = "tiles",
+    shard: int | Sequence[int] = 256,
+    chunk: int | Sequence[int] = 32,
+    block: int | Sequence[int] | None = None,
+    client: Any = None,
+    threads: int | None = None,
+    resume: bool = True,
+    overwrite: bool = False,
+    storage_options: dict[str, Any] | None = None,
+    progress: Progress = None,
+) -> Written:
+    """Computes a field into a Zarr store, window by window, by this process or by a cluster.
+
+    The store has the same bytes however it came about: by one process or many, in any order, after workers or clients
+    that were killed. Each shard appears whole or not at all. A window that no triangle reaches, outside, costs some
+    microseconds and has no file.
+
+    Args:
+        url: a folder, a URL that fsspec knows (``"s3://bucket/field.zarr"``), or a store of obstore.
+        mesh, grid, resolution, spacing, shape, padding, band, thickness, sign, method: as for `compute`.
+        shard: samples of a shard, which is one file; multiples of 16 and of `chunk`.
+        chunk: samples of a chunk, which is what readers unpack; multiples of 8.
+        block: samples of a task, by default a shard; multiples of `shard`. Two tasks must not write one shard: one of
+            both would be lost without a word.
+        client: of Dask; without one this process does the work.
+        threads: of each task; by default as many as the worker has.
+        resume: keep the shards of an earlier call with the same mesh and arguments. Without it, a store that exists is
+            an error.
+        overwrite: remove a store that is there first. Only what standoff wrote is removed.
+        storage_options: for fsspec.
+        progress: as for `standoff.field`.
+
+    Raises:
+        UsageError, ValueError: arguments; a store of another field.
+        OutputError: the disk is full, for example; the shards that were written stay, and the next call goes on.
+        Error: a window whose workers died again and again; all others are written.
+    """
+    began = time.monotonic()
+    shards, chunks = _sides(shard, "shard"), _sides(chunk, "chunk")
+    blocks = shards if block is None else _sides(block, "block")
+    if any(b < 1 or b % s for b, s in zip(blocks, shards)):
+        raise ValueError(
+            f"block: must be multiples of the shard, not {blocks} where that is {shards}: two tasks that write parts of "
+            "one shard would lose one of both without a word"
+        )
+    sizes = {
+        "grid": grid,
+        "resolution": resolution,
+        "spacing": spacing,
+        "shape": shape,
+        "padding": padding,
+        "band": band,
+        "thickness": thickness,
+    }
+    job = _Job.of(mesh, blocks, sign, method, threads, **sizes)
+    target = Target(url, storage_options)
+    here = _windows_of(job)
+    _make(target, here, job, shards, chunks, flag(resume, "resume"), flag(overwrite, "overwrite"))
+    existing = target.shards()
+    todo: list[tuple[Triple, Triple]] = []
+    kept = empty = 0
+    for first, size in here:
+        parts = {tuple((at + n) // s for at, n, s in zip(first, part, shards)) for part, _ in _windows_in(size, shards)}
+        if parts <= existing:
+            kept += 1
+        elif here.is_empty(first, size):
+            empty += 1
+        else:
+            todo.append((first, size))
+    with progress_of(progress, "write") as report:
+        done = _by_client(client, job, target, todo) if client is not None else _here(job, target, todo)
+        for count, _ in enumerate(done, start=1):
+            if report is not None:
+                report("write", count / len(todo))
+    count = int(np.prod([-(-n // s) for n, s in zip(job.grid.shape, shards)], dtype=np.int64))
+    return Written(count, len(todo), kept, empty, time.monotonic() - began)
+
+
+def _windows_in(shape: Sequence[int], side: Triple) -> Iterator[tuple[Triple, Triple]]:
+    for k in range(0, shape[2], side[2]):
+        for j in range(0, shape[1], side[1]):
+            for i in range(0, shape[0], side[0]):
+                first = (i, j, k)
+                size = [min(n, all_of - at) for at, n, all_of in zip(first, side, shape)]
+                yield first, (size[0], size[1], size[2])
+
+
+def _make(
+    target: Target, here: FieldWindows, job: _Job, shard: Triple, chunk: Triple, resume: bool, overwrite: bool
+) -> None:
+    """Makes the store, unless it is there and is to be resumed."""
+    if target.exists() and not overwrite:
+        if not resume:
+            raise UsageError(f"{target.url}: the store exists; resume it, overwrite it, or name another")
+        return _expect_same(target, here, job, shard, chunk)
+    target.create(here._windows, job.grid, job.thickness, shard, chunk, overwrite)
+
+
+def _expect_same(target: Target, here: FieldWindows, job: _Job, shard: Triple, chunk: Triple) -> None:
+    store, made = target.open(), here._windows.provenance
+    mine = {
+        "grid": (job.grid.shape, job.grid.origin, job.grid.spacing),
+        "thickness": job.thickness,
+        "mesh": made.mesh_hash,
+        "sign": made.sign,
+        "method": made.method,
+        "version": made.version,
+        "shard": shard,
+        "chunk": chunk,
+    }
+    theirs = {
+        "grid": (tuple(store.shape), tuple(store.origin), tuple(store.spacing)),
+        "thickness": store.thickness,
+        "mesh": store.provenance.mesh_hash,
+        "sign": store.provenance.sign,
+        "method": store.provenance.method,
+        "version": store.provenance.version,
+        "shard": tuple(store.shard),
+        "chunk": tuple(store.chunk),
+    }
+    other = [name for name, value in mine.items() if theirs[name] != value]
+    if other:
+        raise UsageError(
+            f"{target.url}: the store is another field's ({', '.join(other)}); overwrite it, or name another"
+        )
+
+
+def _here(job: _Job, target: Target, todo: list[tuple[Triple, Triple]]) -> Iterator[Triple]:
+    for first, size in todo:
+        yield _write_window(job, target, first, size)
+
+
+def _by_client(client: Any, job: _Job, target: Target, todo: list[tuple[Triple, Triple]]) -> Iterator[Triple]:
+    from distributed import KilledWorker, as_completed
+
+    # A task that gives the mesh, not scattered data: it can be had again after the workers that held it died.
+    held = client.submit(_identity, job, key=f"standoff-mesh-{job.token}")
+    futures = {
+        client.submit(
+            _write_window, held, target, first, size, key=f"standoff-write-{job.token}-{first}", pure=False
+        ): first
+        for first, size in todo
+    }
+    killed: list[Triple] = []
+    try:
+        for future in as_completed(futures):  # type: ignore[no-untyped-call]
+            try:
+                yield future.result()
+            except KilledWorker:
+                killed.append(futures[future])
+    finally:
+        with contextlib.suppress(Exception):  # the cluster may be gone
+            client.cancel([future for future in futures if not future.done()])
+    if killed:
+        raise Error(
+            f"{target.url}: {len(killed)} of {len(todo)} windows killed the workers that computed them, the first one at "
+            f"sample {killed[0]}; give workers more memory, or a smaller block, and call again: the others are kept"
+        )

@@ -79,9 +79,7 @@ def test_progress_and_interruption():
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        so.FieldWindows(shapes.sphere(200), window=256, resolution=256).field(
-            (0, 0, 0), (256, 256, 256), progress=stop
-        )
+        so.FieldWindows(shapes.sphere(200), window=256, resolution=256).field((0, 0, 0), (256, 256, 256), progress=stop)
     windows.field((0, 0, 0), (16, 16, 16))
 
 
@@ -108,6 +106,11 @@ def test_windows_of_grids():
     assert window.window((1, 2, 3), (4, 5, 6)).first == (17, 10, 3)
     assert window.bounds[0] == tuple(grid.points()[16, 8, 0])
     assert window.bounds[1] == tuple(grid.points()[25, 27, 29])
-    for first, shape in [((0, 0, 0), (51, 1, 1)), ((49, 0, 0), (2, 1, 1)), ((0, -1, 0), (1, 1, 1)), ((0, 0, 0), (0, 1, 1))]:
+    for first, shape in [
+        ((0, 0, 0), (51, 1, 1)),
+        ((49, 0, 0), (2, 1, 1)),
+        ((0, -1, 0), (1, 1, 1)),
+        ((0, 0, 0), (0, 1, 1)),
+    ]:
         with pytest.raises(ValueError, match="not all in the grid"):
             grid.window(first, shape)

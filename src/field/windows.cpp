@@ -223,6 +223,13 @@ bool FieldInWindows::is_reached(const Size3& first, const Size3& size) const {
   return parts_->touch(window.bounds().grown(reach_beyond_rounding(window, plan().thickness)));
 }
 
+bool FieldInWindows::is_empty(const Size3& first, const Size3& size) {
+  if (is_reached(first, size)) return false;
+  DistanceField field;
+  compute(first, size, field);
+  return field.stored_tiles() == 0 && std::ranges::find(field.slots(), DistanceField::kInside) == field.slots().end();
+}
+
 // A window of whole bricks.
 void FieldInWindows::fill(const Grid& window, DistanceField& field) {
   Stopwatch watch;
@@ -332,6 +339,12 @@ const ComputeReport& WindowComputation::report() const { return work_->report();
 
 void WindowComputation::compute(const Size3& first, const Size3& size, DistanceField& field) try {
   work_->compute(first, size, field);
+} catch (...) {
+  throw_as_error("compute", kWithLessMemory);
+}
+
+bool WindowComputation::is_empty(const Size3& first, const Size3& size) try {
+  return work_->is_empty(first, size);
 } catch (...) {
   throw_as_error("compute", kWithLessMemory);
 }

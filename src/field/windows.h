@@ -32,6 +32,7 @@ class FieldInWindows {
 
   void compute(const Size3& first, const Size3& size, DistanceField& field);
   bool is_reached(const Size3& first, const Size3& size) const;
+  bool is_empty(const Size3& first, const Size3& size);
   /// Gives away the whole field, where the plan is not in windows.
   DistanceField take_whole() { return std::exchange(whole_, {}); }
 

@@ -252,6 +252,8 @@ TEST(Windows, OfGridsLargerThanMemory) {
   EXPECT_EQ(field.value(5, 5, 5), static_cast<float>(-2 * h));
   EXPECT_FALSE(windows.is_reached({14976, 14976, 14976}, {128, 128, 128}));
   EXPECT_EQ(field.stored_tiles(), 0);
+  EXPECT_FALSE(windows.is_empty({14976, 14976, 14976}, {128, 128, 128})) << "it is inside";
+  EXPECT_TRUE(windows.is_empty({64, 64, 64}, {128, 128, 128}));
   windows.compute({64, 64, 64}, {128, 128, 128}, field);
   EXPECT_EQ(field.value(5, 5, 5), static_cast<float>(2 * h));
   expect_error([&] { compute(mesh, grid, 2 * h, options); }, ErrorCode::limit, "may need");

@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fields by Dask: lazy arrays, and stores that a cluster writes, whatever happens to its workers."""
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapes
+import standoff as so
+
+pytest.importorskip("distributed", reason="the extra standoff[dask] is not installed")
+import dask
+import standoff.dask as sd
+import zarr
+from distributed import Client, LocalCluster
+
+MESH = shapes.sphere(8)
+SIZES = {"resolution": 120, "band": 3}
+LAYOUT = {"shard": 32, "chunk": 16}
+
+
+@pytest.fixture
+def client():
+    with (
+        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as connected,
+    ):
+        yield connected
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    """The store that this process writes."""
+    path = tmp_path_factory.mktemp("serial") / "field.zarr"
+    sd.write(path, MESH, **SIZES, **LAYOUT)
+    return path
+
+
+def content(store):
+    return {path.relative_to(store).as_posix(): path.read_bytes() for path in Path(store).rglob("*") if path.is_file()}
+
+
+def expect_same(store, other):
+    mine, theirs = content(store), content(other)
+    assert mine.keys() == theirs.keys()
+    assert [name for name in mine if mine[name] != theirs[name]] == []
+
+
+@pytest.mark.parametrize("sign", ["auto", "flood", None])
+def test_lazy_arrays_are_the_field(sign, client):
+    whole = so.field(MESH, sign=sign, **SIZES)
+    lazy = sd.compute(MESH, window=(32, 48, 64), sign=sign, **SIZES)
+    assert lazy.shape == whole.shape and lazy.dtype == np.float32
+    np.testing.assert_array_equal(np.asarray(lazy.compute()).view(np.uint32), whole.numpy().view(np.uint32))
+    part = lazy[40:70, 1, 60:].compute()
+    np.testing.assert_array_equal(part, whole.numpy()[40:70, 1, 60:])
+    with dask.config.set(scheduler="synchronous"):
+        np.testing.assert_array_equal(lazy[:33, :33, :33].compute(), whole.numpy()[:33, :33, :33])
+
+
+def test_the_mesh_is_one_node_of_the_graph():
+    lazy = sd.compute(shapes.sphere(100), window=64, resolution=512, band=2)
+    graph = lazy.__dask_graph__()
+    assert sum("standoff-mesh" in str(key) for key in graph) == 1
+
+
+def test_a_store_is_the_field(serial):
+    whole = so.field(MESH, **SIZES)
+    np.testing.assert_array_equal(zarr.open_array(serial / "0", mode="r")[:], whole.numpy())
+    np.testing.assert_array_equal(so.load(serial).numpy(), whole.numpy())
+
+
+def test_a_cluster_writes_what_one_process_writes(client, serial, tmp_path):
+    done = sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)
+    expect_same(tmp_path / "field.zarr", serial)
+    assert done.kept == 0 and done.computed + done.empty == done.shards == 4**3
+    again = sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)
+    assert again.kept == len(list((serial / "0/c").glob("*/*/*")))
+    assert again.computed == done.computed - again.kept
+    expect_same(tmp_path / "field.zarr", serial)
+
+
+def test_what_is_missing_is_computed_again(serial, tmp_path):
+    store = tmp_path / "field.zarr"
+    shutil.copytree(serial, store)
+    removed = sorted((store / "0/c").glob("*/*/*"))[::3]
+    for path in removed:
+        path.unlink()
+    done = sd.write(store, MESH, **SIZES, **LAYOUT)
+    assert done.computed >= len(removed)
+    expect_same(store, serial)
+
+
+# Workers and clients that are killed.
+
+KILLER = """
+    import os, signal, sys
+    from pathlib import Path
+    import standoff._targets as targets
+
+    def counted(self, first, window, threads, write=targets.Target.write):
+        flag = Path(os.environ["STANDOFF_TEST_KILLED"])
+        if first == tuple(map(int, os.environ["STANDOFF_TEST_KILLS"].split(","))):
+            if os.environ.get("STANDOFF_TEST_ALWAYS") or not flag.exists():
+                flag.touch()
+                os.kill(os.getpid(), signal.SIGKILL)
+        write(self, first, window, threads)
+
+    if targets.Target.write.__name__ != "counted":  # a worker loads this twice
+        targets.Target.write = counted
+"""
+
+
+@pytest.fixture
+def deadly_client(tmp_path, monkeypatch):
+    """Whose workers die when they would write the window at a sample: at the first time, or always."""
+    preload = tmp_path / "deadly.py"
+    preload.write_text(textwrap.dedent(KILLER))
+    with contextlib.ExitStack() as stack:
+
+        def start(at, always=False):
+            monkeypatch.setenv("STANDOFF_TEST_KILLED", str(tmp_path / "killed"))
+            monkeypatch.setenv("STANDOFF_TEST_KILLS", ",".join(map(str, at)))
+            monkeypatch.setenv("STANDOFF_TEST_ALWAYS", "1" if always else "")
+            settings = {"distributed.worker.preload": [str(preload)], "distributed.scheduler.allowed-failures": 1}
+            stack.enter_context(dask.config.set(settings))
+            cluster = LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0")
+            return stack.enter_context(Client(stack.enter_context(cluster)))
+
+        yield start
+
+
+@pytest.mark.parametrize("at", [(0, 32, 32), (32, 0, 32), (64, 64, 96)])
+def test_a_worker_is_killed_at_a_block(at, deadly_client, serial, tmp_path):
+    client = deadly_client(at)
+    sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)
+    assert (tmp_path / "killed").exists(), "no worker came to that block"
+    expect_same(tmp_path / "field.zarr", serial)
+
+
+def test_a_block_that_always_kills_is_named_and_the_others_are_kept(deadly_client, serial, tmp_path):
+    client = deadly_client((32, 0, 32), always=True)
+    with pytest.raises(so.Error, match=r"1 of \d+ windows killed .* sample \(32, 0, 32\)"):
+        sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)
+    written, whole = content(tmp_path / "field.zarr"), content(serial)
+    assert whole.keys() - written.keys() == {"0/c/1/0/1"}
+    sd.write(tmp_path / "field.zarr", MESH, **SIZES, **LAYOUT)
+    expect_same(tmp_path / "field.zarr", serial)
+
+
+def test_the_client_is_killed_at_a_block(serial, tmp_path):
+    script = tmp_path / "client.py"
+    script.write_text(
+        textwrap.dedent(KILLER)
+        + textwrap.dedent(
+            """
+            sys.path.insert(0, os.environ["STANDOFF_TEST_FOLDER"])
+            import shapes
+            import standoff.dask as sd
+
+            sd.write(sys.argv[1], shapes.sphere(8), resolution=120, band=3, shard=32, chunk=16)
+            """
+        )
+    )
+    store = tmp_path / "field.zarr"
+    environment = os.environ | {
+        "STANDOFF_TEST_KILLED": str(tmp_path / "killed"),
+        "STANDOFF_TEST_KILLS": "64,32,32",
+        "STANDOFF_TEST_FOLDER": str(Path(__file__).parent),
+    }
+    for _ in range(2):
+        ended = subprocess.run([sys.executable, script, store], env=environment, capture_output=True, text=True)
+        if ended.returncode == -signal.SIGKILL:
+            before = set(content(store))
+            assert 2 < len(before) < len(content(serial))
+    assert ended.returncode == 0, ended.stderr
+    expect_same(store, serial)
+
+
+# Where stores are.
+
+
+def test_stores_in_memory_by_fsspec(serial):
+    pytest.importorskip("fsspec")
+    done = sd.write("memory://bucket/field.zarr", MESH, **SIZES, **LAYOUT)
+    import fsspec
+
+    system = fsspec.filesystem("memory")
+    found = {
+        name.removeprefix("/bucket/field.zarr/"): system.cat_file(name) for name in system.find("/bucket/field.zarr")
+    }
+    assert found == content(serial)
+    again = sd.write("memory://bucket/field.zarr", MESH, **SIZES, **LAYOUT)
+    assert again.kept == len([name for name in found if name.startswith("0/c/")]) and again.computed < done.computed
+    sd.write("memory://bucket/field.zarr", MESH, overwrite=True, **SIZES, **LAYOUT)
+
+
+def test_stores_by_obstore(serial, tmp_path):
+    store = pytest.importorskip("obstore.store").LocalStore(tmp_path)
+    sd.write(store, MESH, **SIZES, **LAYOUT)
+    expect_same(tmp_path, serial)
+
+
+def test_stores_on_s3(client, serial):
+    moto = pytest.importorskip("moto.server")
+    pytest.importorskip("s3fs")
+    server = moto.ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
+    server.start()
+    try:
+        address = f"http://{server._server.server_address[0]}:{server._server.server_address[1]}"
+        options = {"key": "k", "secret": "s", "client_kwargs": {"endpoint_url": address, "region_name": "us-east-1"}}
+        import fsspec
+
+        system = fsspec.filesystem("s3", **options)
+        system.call_s3("create_bucket", Bucket="bucket")
+        sd.write("s3://bucket/a/field.zarr", MESH, client=client, storage_options=options, **SIZES, **LAYOUT)
+        system.invalidate_cache()
+        found = {name.removeprefix("bucket/a/field.zarr/"): system.cat_file(name) for name in system.find("bucket/a")}
+        assert found == content(serial)
+    finally:
+        server.stop()
+
+
+# What is refused.
+
+
+def test_blocks_smaller_than_shards_are_refused(tmp_path):
+    for block in (16, (32, 32, 16), 48, 0):
+        with pytest.raises(ValueError, match="would lose one of both without a word"):
+            sd.write(tmp_path / "field.zarr", MESH, block=block, **SIZES, **LAYOUT)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "other", [{"resolution": 121}, {"band": 2}, {"sign": None}, {"mesh": shapes.sphere(9)}, {"shard": 64}, {"chunk": 8}]
+)
+def test_stores_of_another_field_are_refused(other, serial):
+    arguments = {"mesh": MESH, **SIZES, **LAYOUT} | other
+    before = content(serial)
+    with pytest.raises(so.UsageError, match="another field's"):
+        sd.write(serial, arguments.pop("mesh"), **arguments)
+    with pytest.raises(so.UsageError, match="exists"):
+        sd.write(serial, MESH, resume=False, **SIZES, **LAYOUT)
+    assert content(serial) == before
+
+
+def test_what_standoff_did_not_write_is_not_removed(tmp_path):
+    zarr.create_array(tmp_path / "other.zarr", shape=(4, 4), chunks=(2, 2), dtype="i4")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "thesis.txt").write_text("of years")
+    for name in ("other.zarr", "folder"):
+        before = content(tmp_path / name)
+        with pytest.raises(so.Error):
+            sd.write(tmp_path / name, MESH, overwrite=True, **SIZES, **LAYOUT)
+        assert content(tmp_path / name) == before
+
+
+def test_windows_of_other_sizes_than_bricks_are_refused():
+    with pytest.raises(ValueError, match="multiples of 16"):
+        sd.compute(MESH, window=40, **SIZES)
+
+
+def test_blocks_of_several_shards(serial, tmp_path):
+    done = sd.write(tmp_path / "field.zarr", MESH, block=(64, 32, 96), **SIZES, **LAYOUT)
+    assert done.computed < 64
+    expect_same(tmp_path / "field.zarr", serial)
