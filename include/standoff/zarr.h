@@ -37,8 +37,8 @@ struct ZarrWriteOptions {
 class STANDOFF_API ZarrStore {
  public:
   /// Makes a store without samples: every value is the thickness. It appears whole or not at all. Existing::replace
-  /// takes the place of a store that standoff wrote and of an empty folder, never of anything else. Errors: usage (grid,
-  /// thickness, layout; a build without blosc), output.
+  /// takes the place of a store that standoff wrote and of an empty folder, never of anything else. Errors: usage
+  /// (grid, thickness, layout; a build without blosc), output.
   static ZarrStore create(const std::filesystem::path& path, const Grid& grid, double thickness,
                           const Provenance& provenance = {}, const ZarrLayout& layout = {},
                           Existing existing = Existing::keep);
