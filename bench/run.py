@@ -13,6 +13,7 @@
   run.py points          distances of points; with --peers beside Embree, and FCPW, libigl and Open3D (STANDOFF_PEER_PYTHON)
   run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
   run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
+  run.py windows         fields in 64 windows beside whole fields
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
@@ -39,13 +40,14 @@ import sidecar_costs
 import sign
 import skip_rules
 import thesis_tables
+import windows
 from harness import BENCH, Drivers
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "sidecars", "render", "python", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "sidecars", "render", "python", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -104,6 +106,8 @@ def main():
             measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
         more = {"count": arguments.count} if arguments.what == "points" else {}
         return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
+    if arguments.what == "windows":
+        return windows.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
     if arguments.what == "skip":
         if not drivers.has("skip"):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench skip")

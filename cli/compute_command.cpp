@@ -27,6 +27,7 @@
 #include "standoff/mesh.h"
 #include "standoff/sidecars.h"
 #include "standoff/slabs.h"
+#include "standoff/windows.h"
 
 namespace standoff::cli {
 namespace {
@@ -101,6 +102,7 @@ struct Plan {
   std::string mesh_name;
   const Mesh& mesh;
   GridChoice choice;
+  std::optional<WindowText> window;  ///< of the choice's grid
   std::string output;
   bool in_the_way = false;  ///< the output exists, and may not be overwritten
   double load_seconds = 0;
@@ -108,6 +110,8 @@ struct Plan {
   bool sparse = false;            ///< FileFormat::sparse of the output
   bool folder = false;            ///< FileFormat::folder of the output
   std::int64_t bytes_beside = 0;  ///< of sidecars, for each sample of a stored tile
+
+  Grid grid() const { return window ? choice.grid.window(window->first, window->size) : choice.grid; }
 };
 
 /// A computation that has written its field.
@@ -126,11 +130,11 @@ std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples)
 // are, or packs them. Trees have whole tiles and tables of them, and stores whole chunks in shards.
 double most_file_bytes(const Plan& plan, const ComputeOptions& options) {
   if (plan.sparse) {
-    const auto tiles = static_cast<double>(tile_count(plan.choice.grid.size));
+    const auto tiles = static_cast<double>(tile_count(plan.grid().size));
     return 2300 * tiles + 40'000 * (tiles / 512 + 1) + 300'000 * (tiles / 262'144 + 1);
   }
   const double bytes = (options.nearest ? 8.0 : 4.0) + static_cast<double>(plan.bytes_beside);
-  const Size3& size = plan.choice.grid.size;
+  const Size3 size = plan.grid().size;
   if (plan.folder) {
     const auto up = [](std::int64_t samples) { return static_cast<double>((samples + 31) / 32 * 32); };
     return bytes * 1.001 * up(size.x) * up(size.y) * up(size.z) + 4096;
@@ -145,7 +149,7 @@ Json description(const Plan& plan) {
                   {"triangles", plan.mesh.triangles.size()},
                   {"vertices", plan.mesh.vertices.size()},
                   {"bounds", json_box(box)}};
-  json["grid"] = json_grid(plan.choice.grid);
+  json["grid"] = json_grid(plan.grid());
   json["thickness"] = json_number(plan.choice.thickness);
   return json;
 }
@@ -157,6 +161,13 @@ std::string confidence_line(const SignConfidence& found) {
          ", and a flood from outside about " + percent(found.flood_disagrees);
 }
 
+// Requires a window.
+std::string window_line(const Plan& plan) {
+  const auto& [first, size] = *plan.window;
+  return "window of " + size_text(size) + " samples, from sample " + std::to_string(first.x) + "," +
+         std::to_string(first.y) + "," + std::to_string(first.z) + " on";
+}
+
 std::string sign_line(const SignReport& sign) {
   const std::string method =
       sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
@@ -165,10 +176,16 @@ std::string sign_line(const SignReport& sign) {
 
 // What the field takes at most, and the sidecars.
 std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
-  const MemoryEstimate found = estimate(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
-  if (plan.in_slabs) return found.slabs;
-  const double beside = static_cast<double>(found.stored_samples) * static_cast<double>(plan.bytes_beside);
-  return static_cast<std::int64_t>(std::min(static_cast<double>(found.whole) + beside, 0x1p62));
+  const auto& [grid, thickness] = plan.choice;
+  const auto with_beside = [&](std::int64_t field, std::int64_t samples) {
+    const double beside = static_cast<double>(samples) * static_cast<double>(plan.bytes_beside);
+    return static_cast<std::int64_t>(std::min(static_cast<double>(field) + beside, 0x1p62));
+  };
+  if (plan.window)
+    return with_beside(estimate_window(plan.mesh, grid, thickness, plan.window->size, options),
+                       DistanceField::kTileSamples * tile_count(plan.window->size));
+  const MemoryEstimate found = estimate(plan.mesh, grid, thickness, options);
+  return plan.in_slabs ? found.slabs : with_beside(found.whole, found.stored_samples);
 }
 
 // The memory limit in bytes; the largest number where there is none.
@@ -179,7 +196,7 @@ std::int64_t limit_of(const ComputeOptions& options) {
 
 // What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
 void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
-  const Grid& grid = plan.choice.grid;
+  const Grid grid = plan.grid();
   const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options);
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
@@ -195,8 +212,9 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
     json["output"] = {{"file", plan.output}, {"bytes", file_bytes}, {"in_the_way", plan.in_the_way}};
     print(json);
   } else {
-    print(mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +  //
-          "from " + point_text(grid.origin) + " to " + point_text(grid.bounds().max) + ", " +
+    print(mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +
+          (plan.window ? window_line(plan) + "\n" : "") +  //
+          "from " + point_text(grid.corner()) + " to " + point_text(grid.bounds().max) + ", " +
           counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
           memory + (needed > limit ? over : "") + "\n" +                                                     //
           "would write " + plan.output + ", at most " + bytes_text(file_bytes) +
@@ -293,6 +311,7 @@ struct ComputeCommand {
   ComputeOptions options;
   Console console;
   Thickness shell{0};  // of --sign shell
+  std::optional<WindowText> window;
   bool dry_run = false, uncompressed = false;
   Beside beside;
   std::optional<std::string> confidence_name;
@@ -305,6 +324,7 @@ struct ComputeCommand {
   GridChoice choose_grid(const Box& box);
   FieldWriteOptions write_options() const;
   Outcome write_in_slabs(const Plan& plan);
+  ComputeResult compute_window(const Plan& plan);
   Outcome write_whole(const Plan& plan);
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
 };
@@ -328,6 +348,13 @@ void ComputeCommand::add_to(CLI::App& verb) {
       ->group("Output");
   add_uncompressed(verb, uncompressed);
   grid.add_to(verb);
+  add_parsed(
+      verb,
+      {"--window", "I,J,K,NX,NY,NZ",
+       "compute NX x NY x NZ samples of the grid from sample I,J,K on:\nthe values that the whole field has there "
+       "(docs/scale.md)",
+       "Grid"},
+      [this](S o, S t) { window = parse_window(o, t); });
   mesh.add_scale_to(verb);
 
   const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
@@ -389,9 +416,9 @@ void ComputeCommand::run() {
   validate(loaded);
   const Box box = bounds(loaded);
   check_extent(mesh.name(), box);
-  Plan plan{mesh.name(), loaded, choose_grid(box), output.path().string(), output.in_the_way()};
+  Plan plan{mesh.name(), loaded, choose_grid(box), window, output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
-  plan.in_slabs = output.format(field_formats()).slabs && beside.empty() && !confidence_name;
+  plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
   plan.folder = output.format(field_formats()).folder;
   plan.bytes_beside = beside.bytes_per_sample();
@@ -399,6 +426,7 @@ void ComputeCommand::run() {
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
+  if (plan.window) console.say(window_line(plan));
 
   if (plan.bytes_beside > 0) check_memory(plan, options);
   Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
@@ -440,11 +468,20 @@ Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   return outcome;
 }
 
+ComputeResult ComputeCommand::compute_window(const Plan& plan) {
+  const auto& [first, size] = *plan.window;
+  WindowComputation windows(plan.mesh, plan.choice.grid, plan.choice.thickness, size, options);
+  ComputeResult made;
+  windows.compute(first, size, made.field);
+  made.report = windows.report();
+  return made;
+}
+
 Outcome ComputeCommand::write_whole(const Plan& plan) {
   ComputeResult computed = [&] {
     const Cancellable cancellable;
     options.progress = console.progress();
-    return compute(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
+    return plan.window ? compute_window(plan) : compute(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
   }();
   options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");

@@ -216,7 +216,7 @@ Json json_field(const std::string& name, bool nearest, const Provenance& from, c
 
 std::string grid_rows(const std::string& name, const Grid& g, double thickness) {
   return row("field", name) + row("size", size_text(g.size) + ", " + counted(g.sample_count(), "sample")) +
-         row("origin", point_text(g.origin)) + row("to", point_text(g.bounds().max)) +
+         row("origin", point_text(g.corner())) + row("to", point_text(g.bounds().max)) +
          row("spacing", spacing_text(g.spacing)) +
          row("thickness", std::isinf(thickness) ? "infinite: every sample is a distance" : number(thickness));
 }

@@ -33,7 +33,7 @@ Json json_size(Size3 size) { return {size.x, size.y, size.z}; }
 Json json_box(const Box& box) { return {json_point(box.min), json_point(box.max)}; }
 
 Json json_grid(const Grid& grid) {
-  return {{"size", json_size(grid.size)}, {"origin", json_point(grid.origin)}, {"spacing", json_point(grid.spacing)}};
+  return {{"size", json_size(grid.size)}, {"origin", json_point(grid.corner())}, {"spacing", json_point(grid.spacing)}};
 }
 
 Json json_triangle(std::uint32_t triangle) {

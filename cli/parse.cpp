@@ -127,6 +127,14 @@ Size3 parse_size(const std::string& option, const std::string& text) {
   return {count(v[0]), count(v[1]), count(v[2])};
 }
 
+WindowText parse_window(const std::string& option, const std::string& text) {
+  const auto v = parts(text);
+  if (v.size() != 6)
+    reject(option, text, "give six whole numbers, the first sample along x,y,z and the samples: I,J,K,NX,NY,NZ");
+  const auto number = [&](std::size_t n) { return parse_count(option, v[n], n < 3 ? 0 : 1, std::int64_t{1} << 40); };
+  return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
+}
+
 Box parse_bounds(const std::string& option, const std::string& text) {
   const auto v = parse_numbers(option, text);
   if (v.size() != 6) reject(option, text, "give six numbers: x0,y0,z0,x1,y1,z1");

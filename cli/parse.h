@@ -44,6 +44,11 @@ std::int64_t parse_count(const std::string& option, const std::string& text, std
 Vec3 parse_spacing(const std::string& option, const std::string& text);
 /// NX,NY,NZ.
 Size3 parse_size(const std::string& option, const std::string& text);
+/// The first sample of a window and its samples per axis.
+struct WindowText {
+  Size3 first, size;
+};
+WindowText parse_window(const std::string& option, const std::string& text);
 /// x0,y0,z0,x1,y1,z1 with x0 <= x1 and so on.
 Box parse_bounds(const std::string& option, const std::string& text);
 /// "0.5" (world units), "3s" (samples), "inf".

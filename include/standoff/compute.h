@@ -37,6 +37,7 @@ struct MethodInfo {
   const char* name;         ///< in options and reports
   const char* what;         ///< for help
   bool full_fields = true;  ///< also computes fields of infinite thickness
+  bool spreads = false;     ///< hands values on from sample to sample, and so needs the whole grid at once
 };
 
 /// All methods. Checks, messages, help and reports ask this table.
@@ -44,9 +45,9 @@ inline constexpr MethodInfo kComputeMethods[] = {
     {Method::tiles, "tiles", "exact"},
     {Method::thesis, "thesis", "Algorithm 1 of 2008"},
     {Method::fuhrmann, "fuhrmann", "prisms along normals, not exact", false},
-    {Method::propagate, "propagate", "vector propagation, not exact"},
-    {Method::jumpflood, "jumpflood", "jump flooding, not exact"},
-    {Method::jumpflood_1, "jumpflood+1", "the same and one more step"},
+    {Method::propagate, "propagate", "vector propagation, not exact", true, true},
+    {Method::jumpflood, "jumpflood", "jump flooding, not exact", true, true},
+    {Method::jumpflood_1, "jumpflood+1", "the same and one more step", true, true},
 };
 
 /// The row of a method; nullptr for numbers that are none.

@@ -11,15 +11,24 @@
 
 namespace standoff {
 
-/// Sample (i,j,k), 0 <= i < size.x and so on, is at origin + spacing * (i,j,k). x varies fastest in memory.
+/// Sample (i,j,k), 0 <= i < size.x and so on, is at origin + spacing * (first + (i,j,k)). x varies fastest in memory.
+/// A grid may be a window of a larger one: then it has that one's origin, and `first` says where it begins, so that its
+/// samples have the coordinates that they have there, bit for bit.
 struct Grid {
   Size3 size;                ///< samples per axis, each at least 1
-  Vec3 origin;               ///< position of sample (0,0,0), world units
+  Vec3 origin;               ///< position of sample (0,0,0) of the whole grid, world units
   Vec3 spacing = {1, 1, 1};  ///< distance between neighbouring samples per axis, world units, positive
+  Size3 first = {};          ///< the sample of the whole grid that is sample (0,0,0) here, from 0
 
   friend bool operator==(const Grid&, const Grid&) = default;
   constexpr Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    return origin + spacing * Vec3{double(i), double(j), double(k)};
+    return origin + spacing * Vec3{double(first.x + i), double(first.y + j), double(first.z + k)};
+  }
+  /// The position of sample (0,0,0).
+  constexpr Vec3 corner() const { return position(0, 0, 0); }
+  /// The samples from `from` on, as many as `count`. Requires that they are samples of this grid.
+  constexpr Grid window(const Size3& from, const Size3& count) const {
+    return {count, origin, spacing, {first.x + from.x, first.y + from.y, first.z + from.z}};
   }
   /// The index of sample (i,j,k) in a dense array, x fastest. Requires a valid grid and a sample of it.
   constexpr std::int64_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
@@ -27,7 +36,7 @@ struct Grid {
   }
   constexpr std::int64_t sample_count() const { return size.count(); }
   /// The box whose corners are the first and the last sample. Requires a size of at least 1 per axis.
-  Box bounds() const { return {origin, position(size.x - 1, size.y - 1, size.z - 1)}; }
+  Box bounds() const { return {corner(), position(size.x - 1, size.y - 1, size.z - 1)}; }
   /// The largest of the three spacings.
   double max_spacing() const { return std::max({spacing.x, spacing.y, spacing.z}); }
 };

@@ -41,11 +41,10 @@ class STANDOFF_API FieldSlabs {
 ///     SlabComputation slabs(mesh, grid, thickness, options);
 ///     write_field("large.vti", slabs);
 ///
-/// The mesh is prepared once, for all slabs. Memory: that of one slab, of the backend's scratch and of the sign
-/// (docs/tiles.md, Fields larger than memory). Where something needs the whole grid at once, the only slab is the whole
-/// field, and memory is that of compute(): SignMethod::flood and ::normal, Method::thesis, and GPUs. Backend::automatic
-/// takes a GPU as compute() does where the whole field is within the memory limit; beyond it, or without any limit, the
-/// CPU makes slabs.
+/// Slabs are windows (standoff/windows.h) of whole slices. The mesh is prepared once, for all slabs. Memory: that of
+/// one slab, of the backend's scratch and of the sign (docs/tiles.md, Fields larger than memory). Where something needs
+/// the whole field at once, the only slab is the whole field, and memory is that of compute(): SignMethod::normal and
+/// ::facet, and methods with MethodInfo::spreads.
 class STANDOFF_API SlabComputation final : public FieldSlabs {
  public:
   /// Checks and prepares. Where the only slab is the whole field it is computed here, else no distance is computed yet.
@@ -63,7 +62,7 @@ class STANDOFF_API SlabComputation final : public FieldSlabs {
   double thickness() const override;
   bool has_nearest() const override;
   const Provenance& provenance() const override;
-  /// The slab's grid has the whole grid's spacing and begins at its first sample. Errors: limit, device, interrupted.
+  /// The slab's grid is a window of grid(). Errors: limit, device, interrupted.
   /// After an error no slab follows: usage.
   const DistanceField* next() override;
 

@@ -39,4 +39,5 @@
 #include "standoff/verify.h"
 #include "standoff/version.h"
 #include "standoff/voxels.h"
+#include "standoff/windows.h"
 #include "standoff/zarr.h"

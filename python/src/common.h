@@ -24,6 +24,7 @@ using namespace nb::literals;
 void add_errors(nb::module_& m);
 void add_meshes(nb::module_& m);
 void add_fields(nb::module_& m);
+void add_windows(nb::module_& m);
 void add_queries(nb::module_& m);
 void add_surfaces(nb::module_& m);
 void add_bodies(nb::module_& m);

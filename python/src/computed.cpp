@@ -7,6 +7,18 @@ namespace standoff::python {
 
 Method method_of(const std::string& name) { return row_of("method", name, kComputeMethods).method; }
 
+ComputeOptions compute_options(const nb::handle& sign, const std::string& method, bool nearest, int threads,
+                               const std::string& device, std::int64_t memory_limit) {
+  ComputeOptions options;
+  options.method = method_of(method);
+  options.sign = sign_of(sign);
+  options.execution.threads = threads;
+  options.devices = devices_in(device, options.execution.backend);
+  options.memory_limit = memory_limit;
+  options.nearest = nearest;
+  return options;
+}
+
 nb::dict dict_of(const ComputeReport& r, double seconds) {
   nb::dict d;
   d["method"] = r.method;

@@ -13,6 +13,10 @@ namespace standoff::python {
 /// "tiles" or "thesis". Errors: usage.
 Method method_of(const std::string& name);
 
+/// What calls that compute a field share. Errors: usage.
+ComputeOptions compute_options(const nb::handle& sign, const std::string& method, bool nearest, int threads,
+                               const std::string& device, std::int64_t memory_limit);
+
 /// The report for standoff/_compute.py; `seconds` is what the call took.
 nb::dict dict_of(const ComputeReport& report, double seconds);
 

@@ -23,23 +23,11 @@ namespace {
 
 using DenseOutput = nb::ndarray<float, nb::shape<-1, -1, -1>, nb::f_contig, nb::device::cpu>;
 
-ComputeOptions options_of(const nb::handle& sign, const std::string& method, bool nearest, int threads,
-                          const std::string& device, std::int64_t memory_limit) {
-  ComputeOptions options;
-  options.method = method_of(method);
-  options.sign = sign_of(sign);
-  options.execution.threads = threads;
-  options.devices = devices_in(device, options.execution.backend);
-  options.memory_limit = memory_limit;
-  options.nearest = nearest;
-  return options;
-}
-
 nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                         const nb::handle& sign, const std::string& method, bool nearest, int threads,
                         const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
-  ComputeOptions options = options_of(sign, method, nearest, threads, device, memory_limit);
+  ComputeOptions options = compute_options(sign, method, nearest, threads, device, memory_limit);
   double seconds = 0;
   ComputeResult result = watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
@@ -53,7 +41,7 @@ nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, cons
                        const DenseOutput& out, const nb::handle& sign, const std::string& method, int threads,
                        const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
-  ComputeOptions options = options_of(sign, method, false, threads, device, memory_limit);
+  ComputeOptions options = compute_options(sign, method, false, threads, device, memory_limit);
   const std::span<float> values(out.data(), out.size());
   double seconds = 0;
   const ComputeReport done = watched(progress, [&](const ProgressCallback& report) {
@@ -66,7 +54,7 @@ nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, cons
 
 std::int64_t dense_bytes(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                          const nb::handle& sign) {
-  return estimate(view_of(vertices, faces), grid.grid(), thickness, options_of(sign, "tiles", false, 0, "auto", 0))
+  return estimate(view_of(vertices, faces), grid.grid(), thickness, compute_options(sign, "tiles", false, 0, "auto", 0))
       .dense;
 }
 
@@ -242,11 +230,12 @@ void add_grids(nb::module_& m) {
 void add_fields(nb::module_& m) {
   nb::class_<GridInput>(m, "Grid").def(
       "__init__",
-      [](GridInput* at, std::array<std::int64_t, 3> size, std::array<double, 3> origin, std::array<double, 3> spacing) {
-        new (at) GridInput{size, origin, spacing};
+      [](GridInput* at, std::array<std::int64_t, 3> size, std::array<double, 3> origin, std::array<double, 3> spacing,
+         std::array<std::int64_t, 3> first) {
+        new (at) GridInput{size, origin, spacing, first};
         validate(at->grid());
       },
-      "size"_a, "origin"_a, "spacing"_a);
+      "size"_a, "origin"_a, "spacing"_a, "first"_a);
   add_grids(m);
   nb::class_<Provenance>(m, "Provenance")
       .def(
@@ -270,6 +259,11 @@ void add_fields(nb::module_& m) {
                    [](const DistanceField& f) {
                      const Vec3 s = f.grid().spacing;
                      return std::array{s.x, s.y, s.z};
+                   })
+      .def_prop_ro("first",
+                   [](const DistanceField& f) {
+                     const Size3 n = f.grid().first;
+                     return std::array{n.x, n.y, n.z};
                    })
       .def_prop_ro("thickness", &DistanceField::thickness)
       .def_prop_ro("provenance", &DistanceField::provenance)

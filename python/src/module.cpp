@@ -12,6 +12,7 @@ NB_MODULE(_core, m) {
   add_errors(m);
   add_meshes(m);
   add_fields(m);
+  add_windows(m);
   add_queries(m);
   add_surfaces(m);
   add_bodies(m);

@@ -18,9 +18,13 @@ struct GridInput {
   std::array<std::int64_t, 3> size;
   std::array<double, 3> origin;
   std::array<double, 3> spacing;
+  std::array<std::int64_t, 3> first;
 
   Grid grid() const {
-    return {{size[0], size[1], size[2]}, {origin[0], origin[1], origin[2]}, {spacing[0], spacing[1], spacing[2]}};
+    return {{size[0], size[1], size[2]},
+            {origin[0], origin[1], origin[2]},
+            {spacing[0], spacing[1], spacing[2]},
+            {first[0], first[1], first[2]}};
   }
 };
 

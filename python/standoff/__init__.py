@@ -50,6 +50,7 @@ from ._picture import Picture
 from ._points import FEATURES, ClosestPoints, MeshQuery, distance
 from ._report import Check, Component, Report, report, verify
 from ._surface import surface
+from ._windows import FieldWindows
 
 __all__ = [
     "CONTAINMENTS",
@@ -69,6 +70,7 @@ __all__ = [
     "DoubtError",
     "Error",
     "FieldResult",
+    "FieldWindows",
     "Grid",
     "InputError",
     "LimitError",

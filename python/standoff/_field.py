@@ -63,7 +63,7 @@ class DistanceField:
     def _of_native(
         cls, native: _core.Field, sign: SignReport | None = None, computation: dict[str, Any] | None = None
     ) -> DistanceField:
-        lists: Any = native.shape, native.origin, native.spacing  # Grid makes tuples of them
+        lists: Any = native.shape, native.origin, native.spacing, native.first  # Grid makes tuples of them
         grid = Grid(*lists)
         return cls._make(grid, native.thickness, native.provenance, native=native, sign=sign, computation=computation)
 

@@ -96,19 +96,26 @@ def sign_report(found: dict[str, Any], asked: Sign, stacklevel: int) -> SignRepo
 
 @dataclass(frozen=True)
 class Grid:
-    """A regular grid: sample ``[i, j, k]`` is at ``origin + spacing * (i, j, k)``."""
+    """A regular grid: sample ``[i, j, k]`` is at ``origin + spacing * (first + (i, j, k))``.
+
+    A grid may be a window of a larger one (`window`): its samples have the coordinates that they have there, bit for
+    bit.
+    """
 
     shape: tuple[int, int, int]
     """Samples per axis."""
     origin: tuple[float, float, float]
-    """Position of sample ``[0, 0, 0]``, world units."""
+    """Position of sample ``[0, 0, 0]`` of the whole grid, world units."""
     spacing: tuple[float, float, float]
     """Distance between neighbouring samples per axis, world units."""
+    first: tuple[int, int, int] = (0, 0, 0)
+    """Of a window: the sample of the whole grid that is sample ``[0, 0, 0]`` here."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", triple(self.shape, "shape", whole=True))
         object.__setattr__(self, "origin", triple(self.origin, "origin"))
         object.__setattr__(self, "spacing", triple(self.spacing, "spacing"))
+        object.__setattr__(self, "first", triple(self.first, "first", whole=True))
         self._core()
 
     @classmethod
@@ -139,16 +146,37 @@ class Grid:
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """The first and the last sample's position."""
-        last = [o + s * (n - 1) for o, s, n in zip(self.origin, self.spacing, self.shape)]
-        return self.origin, (last[0], last[1], last[2])
+        low, high = (
+            [o + s * (f + at) for o, s, f, at in zip(self.origin, self.spacing, self.first, ends)]
+            for ends in ((0, 0, 0), tuple(n - 1 for n in self.shape))
+        )
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+    def window(self, first: Sequence[int], shape: Sequence[int]) -> Grid:
+        """A part of this grid.
+
+        Args:
+            first: its first sample.
+            shape: its samples per axis.
+        """
+        begin, size = triple(first, "first", whole=True), triple(shape, "shape", whole=True)
+        for axis, (at, n, whole) in enumerate(zip(begin, size, self.shape)):
+            if at < 0 or n < 1 or at + n > whole:
+                raise ValueError(
+                    f"window: samples {at} to {at + n - 1} along axis {axis} are not all in the grid, which has {whole}"
+                )
+        at = tuple(mine + more for mine, more in zip(self.first, begin))
+        return Grid(size, self.origin, self.spacing, (at[0], at[1], at[2]))
 
     def points(self) -> np.ndarray:
         """The position of every sample, ``(nx, ny, nz, 3)`` doubles."""
-        axes = [o + s * np.arange(n) for o, s, n in zip(self.origin, self.spacing, self.shape)]
+        axes = [
+            o + s * np.arange(f, f + n) for o, s, f, n in zip(self.origin, self.spacing, self.first, self.shape)
+        ]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
     def _core(self) -> _core.Grid:
-        return _core.Grid(self.shape, self.origin, self.spacing)
+        return _core.Grid(self.shape, self.origin, self.spacing, self.first)
 
 
 def _fit(

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/field_error.h"
+#include "core/grid_axis.h"
 #include "core/guarded.h"
 #include "core/threads.h"
 #include "standoff/field.h"
@@ -28,24 +29,26 @@ struct AxisCell {
 constexpr double kOnBorder = 1e-3;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-double samples_from_origin(double point, double origin, double spacing) { return (point - origin) / spacing; }
+// Of the whole grid: so a point has the same place among the samples in every window.
+double samples_from_origin(double point, const GridAxis& axis) { return (point - axis.origin) / axis.spacing; }
 
-bool is_on_axis(double point, double origin, double spacing, std::int64_t size) {
-  const double at = samples_from_origin(point, origin, spacing);
-  return at >= -kOnBorder && at <= static_cast<double>(size - 1) + kOnBorder;
+bool is_on_axis(double point, const GridAxis& axis) {
+  const double at = samples_from_origin(point, axis), first = static_cast<double>(axis.first);
+  return at >= first - kOnBorder && at <= first + static_cast<double>(axis.size - 1) + kOnBorder;
 }
 
 bool answers_at(const Grid& g, Vec3 p, Outside outside) {
   return outside == Outside::border ||
-         (is_on_axis(p.x, g.origin.x, g.spacing.x, g.size.x) && is_on_axis(p.y, g.origin.y, g.spacing.y, g.size.y) &&
-          is_on_axis(p.z, g.origin.z, g.spacing.z, g.size.z));
+         (is_on_axis(p.x, axis_of(g, 0)) && is_on_axis(p.y, axis_of(g, 1)) && is_on_axis(p.z, axis_of(g, 2)));
 }
 
-AxisCell axis_cell(double point, double origin, double spacing, std::int64_t size) {
-  if (size == 1) return {};
-  const double at = std::clamp(samples_from_origin(point, origin, spacing), 0.0, static_cast<double>(size - 1));
-  const auto first = std::min(static_cast<std::int64_t>(at), size - 2);
-  return {first, first + 1, at - static_cast<double>(first)};
+AxisCell axis_cell(double point, const GridAxis& axis) {
+  if (axis.size == 1) return {};
+  const std::int64_t last = axis.first + axis.size - 1;
+  const double at =
+      std::clamp(samples_from_origin(point, axis), static_cast<double>(axis.first), static_cast<double>(last));
+  const auto cell = std::min(static_cast<std::int64_t>(at), last - 1);
+  return {cell - axis.first, cell + 1 - axis.first, at - static_cast<double>(cell)};
 }
 
 struct CellOfPoint {
@@ -60,8 +63,7 @@ void expect_numbers(Vec3 p) {
 
 CellOfPoint cell_at(const DistanceField& field, Vec3 p) {
   const Grid& g = field.grid();
-  CellOfPoint cell{axis_cell(p.x, g.origin.x, g.spacing.x, g.size.x), axis_cell(p.y, g.origin.y, g.spacing.y, g.size.y),
-                   axis_cell(p.z, g.origin.z, g.spacing.z, g.size.z)};
+  CellOfPoint cell{axis_cell(p.x, axis_of(g, 0)), axis_cell(p.y, axis_of(g, 1)), axis_cell(p.z, axis_of(g, 2))};
   int n = 0;
   for (const auto k : {cell.z.first, cell.z.second})
     for (const auto j : {cell.y.first, cell.y.second})

@@ -19,6 +19,8 @@ template <class Callback, class... Arguments>
 decltype(auto) call_back(const Callback& callback, Arguments&&... arguments) {
   try {
     return callback(std::forward<Arguments>(arguments)...);
+  } catch (const FromCallback&) {
+    throw;  // of a callback within the callback
   } catch (...) {
     throw FromCallback{std::current_exception()};
   }

@@ -98,6 +98,9 @@ void validate(const Grid& grid) try {
   if (s.x > kMaxSide || s.y > kMaxSide || s.z > kMaxSide ||
       static_cast<double>(s.x) * static_cast<double>(s.y) * static_cast<double>(s.z) > 0x1p62)
     fail_at_limit("too many samples to count; take fewer");
+  for (const std::int64_t first : {grid.first.x, grid.first.y, grid.first.z})
+    if (first < 0 || first > kMaxSide)
+      fail("a window begins at no sample of its grid; give a first sample from 0 to 2^40 along each axis");
   for (const double h : {grid.spacing.x, grid.spacing.y, grid.spacing.z})
     if (!(h > 0) || !std::isfinite(h)) fail("the spacing must be positive and finite; give it in world units");
   if (!is_finite(grid.origin) || !is_finite(grid.bounds().max))

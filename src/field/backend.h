@@ -30,21 +30,28 @@ struct TileTarget {
 /// Tiles never opened read as the thickness, without a nearest triangle.
 class Sink {
  public:
-  /// Tiles go into `field`, whose first layer of tiles is layer `first_layer` of the grid that is filled.
-  explicit Sink(DistanceField& field, std::int64_t first_layer = 0)
-      : grid_(field.grid()), field_(&field), first_layer_(first_layer), with_nearest_(field.has_nearest()) {}
+  explicit Sink(DistanceField& field) : grid_(field.grid()), field_(&field), with_nearest_(field.has_nearest()) {}
   /// Tiles go into dense memory, which the caller has filled with the thickness and kNoTriangle.
   Sink(const Grid& grid, std::span<float> values, std::span<std::uint32_t> nearest)
       : grid_(grid), values_(values.data()), nearest_(nearest.data()), with_nearest_(!nearest.empty()) {}
+
+  /// The same destination for who counts tiles from another sample of the whole grid: from the beginning of `from`
+  /// instead of that of `grid`. Both begin at tiles.
+  Sink of_window(const Grid& grid, const Grid& from) const {
+    Sink moved = *this;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      moved.offset_[axis] += (from.first[axis] - grid.first[axis]) / DistanceField::kTileSide;
+    return moved;
+  }
 
   bool with_nearest() const { return with_nearest_; }
 
   TileTarget open(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
     constexpr std::int64_t side = DistanceField::kTileSide;
+    tx += offset_.x, ty += offset_.y, tz += offset_.z;
     if (field_) {
-      const std::int64_t in_field = tz - first_layer_;
-      TileTarget target{field_->store_tile(tx, ty, in_field).data(), nullptr, side, side * side, {side, side, side}};
-      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, in_field).data();
+      TileTarget target{field_->store_tile(tx, ty, tz).data(), nullptr, side, side * side, {side, side, side}};
+      if (with_nearest_) target.nearest = field_->store_nearest(tx, ty, tz).data();
       return target;
     }
     const std::int64_t x = tx * side, y = ty * side, z = tz * side, at = grid_.index(x, y, z);
@@ -59,7 +66,7 @@ class Sink {
  private:
   const Grid& grid_;
   DistanceField* field_ = nullptr;
-  std::int64_t first_layer_ = 0;
+  Size3 offset_;  // added to the numbers of tiles
   float* values_ = nullptr;
   std::uint32_t* nearest_ = nullptr;
   bool with_nearest_ = false;
@@ -91,25 +98,18 @@ struct Counts {
   std::int64_t samples_band = 0;
 };
 
-/// Layers [begin, end) of bricks along z. Each has 16 samples; the last one of a grid may have fewer.
-struct BrickLayers {
-  std::int64_t begin, end;
-};
-
-/// A job that is done layer by layer. The constructor prepares the data that all layers share; the values equal the
-/// whole job's, bit for bit.
-class LayerGather {
+/// A job that is done window by window, in any order, on the threads of one TBB arena. The constructor prepares the
+/// data that all windows share; the values equal the whole job's, bit for bit.
+class WindowGather {
  public:
-  LayerGather() = default;
-  LayerGather(const LayerGather&) = delete;
-  LayerGather& operator=(const LayerGather&) = delete;
-  virtual ~LayerGather() = default;
+  WindowGather() = default;
+  WindowGather(const WindowGather&) = delete;
+  WindowGather& operator=(const WindowGather&) = delete;
+  virtual ~WindowGather() = default;
 
-  /// Fills the tiles of these layers. The first call begins with layer 0, each later call where the last one ended.
-  /// Throws Error{interrupted}.
-  virtual void gather(const BrickLayers& layers, Sink& sink) = 0;
-  /// The sum over all calls so far.
-  virtual Counts counts() = 0;
+  /// Fills the tiles of a window of the job's grid, which begins at a brick of it; the sink's first tile is the
+  /// window's. Counts its bricks as progress. Throws Error{interrupted}.
+  virtual Counts gather(const Grid& window, Sink& sink, ProgressMeter& progress) = 0;
 };
 
 /// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
@@ -121,9 +121,9 @@ struct BackendRow {
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch memory in the worst case, without the output.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
-  /// The same job by layers, with the same scratch memory; nullptr if the method needs the whole grid at once. The job
-  /// must outlive the result.
-  std::unique_ptr<LayerGather> (*in_layers)(const Job&) = nullptr;
+  /// The same job by windows, with the same scratch memory, where that is better than a job for the triangles that
+  /// reach a window; nullptr, also as what it returns, where it is not. The job must outlive the result.
+  std::unique_ptr<WindowGather> (*in_windows)(const Job&) = nullptr;
   bool on_several_devices = false;  ///< Job::devices may name several
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps that whole fields (compute.cpp) and fields in slabs (slabs.cpp) have in common.
+// The steps that whole fields (compute.cpp) and fields in windows (windows.cpp) have in common.
 #pragma once
 
 #include <chrono>
@@ -39,7 +39,7 @@ class Computation {
  public:
   /// Throws the errors of make_plan.
   Computation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
-              std::int64_t slab_samples = 0);
+              const Size3& window = {});
   Computation(const Computation&) = delete;
   Computation& operator=(const Computation&) = delete;
 
@@ -50,14 +50,17 @@ class Computation {
   ComputeReport& report() { return report_; }
 
   /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, and with it whether the
-  /// field can be computed in slabs.
+  /// field can be computed in windows.
   void check();
   /// Applies the skip rule.
   Job job();
   SignMethod sign_method() const { return sign_plan_.report.method; }
   /// The signs by the planned method, which must not be `shell`; null if the mesh turns out to have no inside.
   std::unique_ptr<SampleSigns> signs(const NearestTriangles& nearest);
-  /// Fills the fields of the report that whole fields and slabs share. `hash`: the mesh's, or 0.
+  /// The same for a window, by a part of the mesh that holds all triangles that its rows may cross.
+  std::unique_ptr<SampleSigns> signs_of_window(const Grid& window, const OrientedMesh& part);
+  const SignPlan& sign_plan() const { return sign_plan_; }
+  /// Fills the fields of the report that whole fields and windows share. `hash`: the mesh's, or 0.
   void finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole fields, and the steps that they share with fields in slabs (slabs.cpp).
+// Whole fields, and the steps that they share with fields in windows (windows.cpp).
 #include "field/computation.h"
 
 #include <tbb/parallel_for.h>
@@ -20,11 +20,10 @@
 namespace standoff {
 
 Computation::Computation(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                         bool is_dense, std::int64_t slab_samples)
+                         bool is_dense, const Size3& window)
     : mesh_(mesh),
       options_(options),
-      plan_(make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, is_dense,
-                      slab_samples)),
+      plan_(make_plan(static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, is_dense, window)),
       threads_(options.execution.threads),
       progress_(options.progress) {}
 
@@ -35,8 +34,8 @@ void Computation::check() {
     check_mesh(mesh_, plan_, options_);
     sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
     if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
-    if (plan_.slab_layers != 0 && !is_decided_in_slabs(sign_plan_.report.method)) {
-      plan_.slab_layers = 0;
+    if (plan_.in_windows && steps_of(sign_plan_.report.method).scope == SignScope::field) {
+      take_whole(plan_);
       check_mesh(mesh_, plan_, options_);
     }
     report_.seconds.prepare = watch.lap();
@@ -65,6 +64,11 @@ std::unique_ptr<SampleSigns> Computation::signs(const NearestTriangles& nearest)
   return make_signs(mesh_, sign_plan_, options_.sign, field, progress_);
 }
 
+std::unique_ptr<SampleSigns> Computation::signs_of_window(const Grid& window, const OrientedMesh& part) {
+  const UnsignedField field{window, plan_.field_thickness, {}, crossing_bytes(plan_)};
+  return make_signs_of_window(part, sign_plan_, options_.sign, field, progress_);
+}
+
 void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash) {
   report_.triangles = plan_.triangles;
   report_.skipped = plan_.triangles - sign_plan_.report.internal - triangles;
@@ -90,7 +94,9 @@ class FieldOutput {
   explicit FieldOutput(DistanceField& field) : field_(field) {}
   Sink sink() { return Sink(field_); }
   NearestTriangles nearest() const { return NearestTriangles(field_); }
-  void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) { sign_field(signs, invert, field_, progress); }
+  void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
+    sign_field(signs, invert, field_.grid(), field_, progress);
+  }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/grid_axis.h"
 #include "core/tile_count.h"
 #include "field/tolerances.h"
 #include "geometry/host_device.h"
@@ -28,8 +29,8 @@ inline constexpr int kBrickSide = 2 * kTileSide;
 /// scaling is exact, and no mesh is too small or too large for float.
 struct Lattice {
   double scale;
-  double origin[3];   ///< of the grid, world units
-  double first[3];    ///< a window of a larger grid: which of its samples is sample 0 here, a multiple of kBrickSide
+  double origin[3];   ///< of the whole grid, world units
+  double first[3];    ///< of the window, in samples of the whole grid; a multiple of kBrickSide
   double spacing[3];  ///< world units
   double unit[3];     ///< spacing, grid units
   std::int64_t size[3];
@@ -53,23 +54,19 @@ inline float brick_coordinate(const Lattice& l, int n, int axis) {
   return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
 }
 
-/// Requires a valid grid and a positive thickness. A window has the origin of the whole grid, the size of the window,
-/// and the window's first sample; its samples get the bits that they get in the whole.
-inline Lattice make_lattice(const Grid& grid, double thickness, const Size3& first = {}) {
+/// Requires a valid grid that begins at a brick of the whole grid, and a positive thickness.
+inline Lattice make_lattice(const Grid& grid, double thickness) {
   Lattice l{};
   l.scale = std::ldexp(1.0, -std::ilogb(grid.max_spacing()));
-  const Vec3 unit = grid.spacing * l.scale;
-  const double units[3] = {unit.x, unit.y, unit.z}, origin[3] = {grid.origin.x, grid.origin.y, grid.origin.z},
-               spacing[3] = {grid.spacing.x, grid.spacing.y, grid.spacing.z};
-  const std::int64_t size[3] = {grid.size.x, grid.size.y, grid.size.z}, firsts[3] = {first.x, first.y, first.z};
   for (int axis = 0; axis < 3; ++axis) {
-    l.origin[axis] = origin[axis];
-    l.first[axis] = static_cast<double>(firsts[axis]);
-    l.spacing[axis] = spacing[axis];
-    l.unit[axis] = units[axis];
-    l.size[axis] = size[axis];
-    l.tiles[axis] = tiles_along(size[axis]);
-    l.to_samples[axis] = 1 / spacing[axis];
+    const GridAxis along = axis_of(grid, static_cast<std::size_t>(axis));
+    l.origin[axis] = along.origin;
+    l.first[axis] = static_cast<double>(along.first);
+    l.spacing[axis] = along.spacing;
+    l.unit[axis] = along.spacing * l.scale;
+    l.size[axis] = along.size;
+    l.tiles[axis] = tiles_along(along.size);
+    l.to_samples[axis] = 1 / along.spacing;
     l.reach[axis] = thickness * l.to_samples[axis] + 2 * kBoxSlack;
     for (int n = 0; n < kBrickSide; ++n) l.coordinate[axis][n] = brick_coordinate(l, n, axis);
   }
@@ -79,6 +76,11 @@ inline Lattice make_lattice(const Grid& grid, double thickness, const Size3& fir
   l.thickness_world = static_cast<float>(thickness);
   l.unscale = static_cast<float>(1 / l.scale);
   return l;
+}
+
+/// Whether bricks of the whole grid begin where the grid begins: they may be cut at its end alone.
+inline bool begins_at_brick(const Grid& grid) {
+  return grid.first.x % kBrickSide == 0 && grid.first.y % kBrickSide == 0 && grid.first.z % kBrickSide == 0;
 }
 
 /// Bricks of a grid.

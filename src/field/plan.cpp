@@ -12,6 +12,7 @@
 #include "core/threads.h"
 #include "core/tile_count.h"
 #include "field/lattice.h"
+#include "field/mesh_parts.h"
 #include "field/prepare.h"
 #include "field/skip.h"
 #include "sign/diagnosis/closed.h"
@@ -47,10 +48,12 @@ void validate(double thickness, const ComputeOptions& options) {
   validate(options.sign);
 }
 
-void check_slab_samples(std::int64_t samples) {
+Size3 slab_size(const Grid& grid, std::int64_t samples) {
   if (samples < 1)
     throw Error(ErrorCode::usage,
                 "compute: a slab of " + std::to_string(samples) + " samples holds nothing; give 1 or more");
+  const std::int64_t layers = std::max<std::int64_t>(1, samples / (grid.size.x * grid.size.y) / kBrickSide);
+  return {grid.size.x, grid.size.y, std::min(grid.size.z, kBrickSide * layers)};
 }
 
 SkipRule effective_rule(const ComputeOptions& options) {
@@ -59,12 +62,6 @@ SkipRule effective_rule(const ComputeOptions& options) {
 }
 
 namespace {
-
-// Layers of bricks of a slab; 0 if one slab would hold the whole grid.
-std::int64_t layers_of_slab(const Grid& grid, std::int64_t slab_samples) {
-  const std::int64_t layers = std::max<std::int64_t>(1, slab_samples / (grid.size.x * grid.size.y) / kBrickSide);
-  return layers < (grid.size.z + kBrickSide - 1) / kBrickSide ? layers : 0;
-}
 
 // The largest distance that must be known. Beyond the limit, float could not tell it from half of the shell.
 double reach(const Grid& grid, double thickness, const SignOptions& sign) {
@@ -87,12 +84,15 @@ std::vector<int> devices_of(const ComputeOptions& options, const BackendRow& row
 
 }  // namespace
 
-bool is_decided_in_slabs(SignMethod method) { return steps_of(method).in_slabs; }
-
 Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
-               std::int64_t slab_samples) {
+               const Size3& window) {
+  if (!begins_at_brick(grid))
+    throw Error(ErrorCode::usage,
+                "compute: the grid is a window that begins at no multiple of 16 samples of its whole; give the whole "
+                "grid to WindowComputation, which computes any window");
   const BackendRow& row = find_backend(options.execution.backend, options.method, triangles, grid);
-  const bool in_slabs = slab_samples != 0 && row.in_layers && is_decided_in_slabs(options.sign.method);
+  const bool in_windows = window.count() != 0 && window != grid.size && !find_info(options.method)->spreads &&
+                          steps_of(options.sign.method).scope != SignScope::field;
   return {&row,
           effective_rule(options),
           options.method == Method::tiles && options.skip.kind == SkipRule::Kind::automatic,
@@ -104,37 +104,42 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           options.nearest || steps_of(options.sign.method).needs_nearest,
           options.sign.method != SignMethod::none,
           is_dense,
-          slab_samples,
-          in_slabs ? layers_of_slab(grid, slab_samples) : 0,
+          in_windows,
+          in_windows ? window : grid.size,
           devices_of(options, row)};
+}
+
+void take_whole(Plan& plan) {
+  plan.in_windows = false;
+  plan.part = plan.grid.size;
 }
 
 namespace {
 
 // Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
-  // Several devices work on parts of the grid.
+  // Several devices work on parts of the grid. A method with windows of its own prepares the whole grid for them.
   const auto devices = static_cast<std::int64_t>(plan.devices.size());
+  const bool whole = plan.row->in_windows && !is_thin(plan.grid, plan.thickness);
   Grid part = plan.grid;
+  if (!whole) part.size = plan.part;
   if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
   return devices * plan.row->scratch_bytes(plan.triangles, part, plan.thickness, plan.threads);
 }
 
 // Bytes that deciding the sign takes beside the output and the crossings.
 std::int64_t sign_bytes(const Plan& plan) {
-  return RowCrossings::other_bytes(plan.triangles, plan.grid, plan.threads) +
-         plan.threads * InsideRows::bytes(plan.grid);
+  Grid part = plan.grid;
+  part.size = plan.part;
+  return RowCrossings::other_bytes(plan.triangles, part, plan.threads) + plan.threads * InsideRows::bytes(part);
 }
 
-// The tiles of the grid, or of a slab.
-double tiles_at_once(const Plan& plan) {
-  Size3 size = plan.grid.size;
-  if (plan.slab_layers != 0) size.z = std::min(size.z, kBrickSide * plan.slab_layers);
-  return static_cast<double>(tile_count(size));
-}
+// The tiles of the grid, or of a window.
+double tiles_at_once(const Plan& plan) { return static_cast<double>(tile_count(plan.part)); }
 
-// Bytes of crossings in memory at once, in slabs: there the backend keeps its memory meanwhile. The value is a choice.
-constexpr std::int64_t kCrossingBytesInSlabs = std::int64_t{32} << 20;
+// Bytes of crossings in memory at once, in windows: there the backend keeps its memory meanwhile. The value is a
+// choice.
+constexpr std::int64_t kCrossingBytesInWindows = std::int64_t{32} << 20;
 
 // Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
@@ -157,7 +162,11 @@ class Advice {
 
  private:
   bool fits(const Grid& grid, double thickness) const {
-    const Plan plan = make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.slab_samples);
+    // A coarser grid gets no larger windows.
+    const Size3 window{std::min(grid.size.x, plan_.part.x), std::min(grid.size.y, plan_.part.y),
+                       std::min(grid.size.z, plan_.part.z)};
+    const Plan plan =
+        make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.in_windows ? window : Size3{});
     return bytes_needed(plan, scan_mesh(mesh_, plan, true).tiles, diagnosed_) <= memory_limit_of(options_);
   }
 
@@ -203,11 +212,11 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
   // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
-  // its memory; in slabs, the backend keeps it while signs are decided.
+  // its memory; in windows, the backend keeps it while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan),
                      of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
-  const double scratch =
-      static_cast<double>(plan.slab_layers != 0 ? of_backend + of_sign : std::max(of_backend, of_sign));
+  const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
+                                                             : std::max(of_backend, of_sign));
   const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
                         : plan.with_sign
                             ? static_cast<double>(std::max(closed_bytes(plan.triangles), outward_bytes(plan.triangles)))
@@ -227,7 +236,7 @@ std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions&
 
 std::int64_t crossing_bytes(const Plan& plan) {
   return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads),
-                  plan.slab_layers != 0 ? kCrossingBytesInSlabs : scratch_bytes(plan) - sign_bytes(plan));
+                  plan.in_windows ? kCrossingBytesInWindows : scratch_bytes(plan) - sign_bytes(plan));
 }
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
@@ -242,41 +251,22 @@ void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOp
 
 std::int64_t memory_limit_of(const ComputeOptions& options) { return memory_limit_of(options.memory_limit); }
 
-ComputeOptions with_slabs(std::int64_t triangles, const MeshView* mesh, const Grid& grid, double thickness,
-                          const ComputeOptions& options, std::int64_t slab_samples) {
-  if (options.execution.backend != Backend::automatic) return options;
-  ComputeOptions on_cpu = options;
-  on_cpu.execution.backend = Backend::cpu;
-  const auto plan_of = [&](const ComputeOptions& taken) {
-    return make_plan(triangles, grid, thickness, taken, false, slab_samples);
-  };
-  const std::int64_t limit = memory_limit_of(options);
-  const auto is_too_large = [&](const Plan& plan) {
-    if (bytes_needed(plan) <= limit) return false;
-    return !mesh || Threads(options.execution.threads).run([&] { return bytes_needed(*mesh, plan, options) > limit; });
-  };
-  if (limit == 0) return plan_of(on_cpu).slab_layers != 0 ? on_cpu : options;
-  const Plan plan = plan_of(options);
-  return plan.slab_layers == 0 && is_too_large(plan) ? on_cpu : options;
-}
-
 namespace {
 
 // Of any mesh of so many triangles, or, if there is one, of this mesh.
 MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const Grid& grid, double thickness,
                            const ComputeOptions& options, std::int64_t slab_samples) {
-  const auto plan_of = [&](const ComputeOptions& taken, bool dense, std::int64_t slabs) {
-    return make_plan(triangles, grid, thickness, taken, dense, slabs);
+  const auto plan_of = [&](bool dense, const Size3& window) {
+    return make_plan(triangles, grid, thickness, options, dense, window);
   };
-  const Plan whole = plan_of(options, false, 0);
+  const Plan whole = plan_of(false, {});
   const double tiles =
       mesh ? std::min(scan_mesh(*mesh, whole, true).tiles, tiles_at_once(whole)) : tiles_at_once(whole);
   const bool diagnosed = mesh ? needs_diagnosis(*mesh, options.sign) : whole.with_sign;
   const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, tiles, diagnosed); };
-  const ComputeOptions in_slabs = with_slabs(triangles, mesh, grid, thickness, options, slab_samples);
   return {.whole = bytes(whole),
-          .dense = bytes(plan_of(options, true, 0)),
-          .slabs = bytes(plan_of(in_slabs, false, slab_samples)),
+          .dense = bytes(plan_of(true, {})),
+          .slabs = bytes(plan_of(false, slab_size(grid, slab_samples))),
           .stored_samples = static_cast<std::int64_t>(std::min(DistanceField::kTileSamples * tiles, 0x1p62))};
 }
 
@@ -286,7 +276,6 @@ MemoryEstimate estimate(std::int64_t triangles, const Grid& grid, double thickne
                         std::int64_t slab_samples) try {
   validate(grid);
   validate(thickness, options);
-  check_slab_samples(slab_samples);
   if (triangles < 1 || static_cast<std::uint64_t>(triangles) > kMaxTriangles)
     throw Error(triangles < 1 ? ErrorCode::usage : ErrorCode::limit,
                 "compute: no mesh has " + std::to_string(triangles) + " triangles; ask for 1 to " +
@@ -300,7 +289,6 @@ MemoryEstimate estimate(MeshView mesh, const Grid& grid, double thickness, const
                         std::int64_t slab_samples) try {
   validate(grid);
   validate(thickness, options);
-  check_slab_samples(slab_samples);
   return Threads(options.execution.threads).run([&] {
     return estimate_of(&mesh, static_cast<std::int64_t>(mesh.triangles.size()), grid, thickness, options, slab_samples);
   });

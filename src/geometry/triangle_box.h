@@ -53,21 +53,24 @@ STANDOFF_HD inline SampleRange intersection(const SampleRange& a, const SampleRa
 /// The samples of the grid in the box, its faces included. The box may be infinite, and empty on some axis.
 STANDOFF_HD inline SampleRange samples_in(const Box& box, const Grid& grid) {
   // Avoid ceil and floor: without SSE4.1 they are calls of the C library, and every triangle of every brick comes here.
-  const auto first = [](double low, double origin, double spacing, std::int64_t size) {
-    const double sample = std::clamp((low - origin) / spacing, 0.0, static_cast<double>(size));
+  // Samples are counted from the first one of the whole grid, so that rounding is the same in all windows.
+  const auto begin = [](double low, double origin, double spacing, std::int64_t first, std::int64_t size) {
+    const double sample =
+        std::clamp((low - origin) / spacing, static_cast<double>(first), static_cast<double>(first + size));
     const auto below = static_cast<std::int64_t>(sample);
-    return below + (static_cast<double>(below) < sample);
+    return below + (static_cast<double>(below) < sample) - first;
   };
-  const auto past = [](double high, double origin, double spacing, std::int64_t size) {
+  const auto end = [](double high, double origin, double spacing, std::int64_t first, std::int64_t size) {
     const double sample = (high - origin) / spacing;
-    if (!(sample >= 0)) return std::int64_t{0};
-    return static_cast<std::int64_t>(std::min(sample, static_cast<double>(size - 1))) + 1;
+    if (!(sample >= static_cast<double>(first))) return std::int64_t{0};
+    return static_cast<std::int64_t>(std::min(sample, static_cast<double>(first + size - 1))) + 1 - first;
   };
-  const auto& [size, origin, spacing] = grid;
-  return {{first(box.min.x, origin.x, spacing.x, size.x), first(box.min.y, origin.y, spacing.y, size.y),
-           first(box.min.z, origin.z, spacing.z, size.z)},
-          {past(box.max.x, origin.x, spacing.x, size.x), past(box.max.y, origin.y, spacing.y, size.y),
-           past(box.max.z, origin.z, spacing.z, size.z)}};
+  const auto& [size, origin, spacing, first] = grid;
+  return {
+      {begin(box.min.x, origin.x, spacing.x, first.x, size.x), begin(box.min.y, origin.y, spacing.y, first.y, size.y),
+       begin(box.min.z, origin.z, spacing.z, first.z, size.z)},
+      {end(box.max.x, origin.x, spacing.x, first.x, size.x), end(box.max.y, origin.y, spacing.y, first.y, size.y),
+       end(box.max.z, origin.z, spacing.z, first.z, size.z)}};
 }
 
 // A Morton number interleaves the bits of a cell's three coordinates: near numbers are near cells.

@@ -136,7 +136,7 @@ CodedField coded_every(const DistanceField& field, std::int64_t every) {
   CodedField made;
   made.every = every;
   const Grid& whole = field.grid();
-  made.grid = {thinned(whole.size, every), whole.origin, whole.spacing * double(every)};
+  made.grid = {thinned(whole.size, every), whole.corner(), whole.spacing * double(every)};
 
   // Of all samples, which a thinned field may not hold all.
   if (std::isfinite(field.thickness()) || field.stored_tiles() == 0) made.max = field.thickness();

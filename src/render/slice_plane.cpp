@@ -77,7 +77,8 @@ class ShownCounter {
 }  // namespace
 
 PlaneScores plane_scores(const DistanceField& field) {
-  const auto& [size, origin, h] = field.grid();
+  const Size3& size = field.grid().size;
+  const Vec3& h = field.grid().spacing;
   PlaneScores scores;
   scores.area = {h.y * h.z, h.x * h.z, h.x * h.y};
   for (std::size_t c = 0; c < 3; ++c) scores.along[c].resize(static_cast<std::size_t>(coordinates(size)[c]));
@@ -127,12 +128,8 @@ std::optional<std::int64_t> named_index(const SliceOptions& options, std::int64_
 }
 
 SlicePlane placed(const DistanceField& field, Axis axis, std::int64_t index) {
-  const auto& [size, origin, h] = field.grid();
-  const auto at = static_cast<double>(index);
-  return {axis, index,
-          axis == Axis::x   ? origin.x + h.x * at
-          : axis == Axis::y ? origin.y + h.y * at
-                            : origin.z + h.z * at};
+  const Vec3 at = field.grid().position(index, index, index);
+  return {axis, index, axis == Axis::x ? at.x : axis == Axis::y ? at.y : at.z};
 }
 
 // The plane of this axis that shows the most, and how much it shows.
@@ -174,7 +171,8 @@ SlicePlane chosen(const DistanceField& field, const SliceOptions& options) {
 
 Plane plane_of(const DistanceField& field, const SliceOptions& options) {
   const SlicePlane where = chosen(field, options);
-  const auto& [size, origin, h] = field.grid();
+  const Size3& size = field.grid().size;
+  const Vec3 &h = field.grid().spacing, origin = field.grid().corner();
   Plane plane;
   plane.index = where.index;
   plane.count = samples_along(field, where.axis);

@@ -31,7 +31,8 @@ constexpr double kMarginError = 1e-3, kDoubtful = 0.05;
 // Rotates the axes: from x, y, z to y, z, x.
 Vec3 rotated(const Vec3& v) { return {v.y, v.z, v.x}; }
 Grid rotated(const Grid& grid) {
-  return {{grid.size.y, grid.size.z, grid.size.x}, rotated(grid.origin), rotated(grid.spacing)};
+  const auto rotated_counts = [](const Size3& s) { return Size3{s.y, s.z, s.x}; };
+  return {rotated_counts(grid.size), rotated(grid.origin), rotated(grid.spacing), rotated_counts(grid.first)};
 }
 Mesh rotated(Mesh mesh) {
   for (Vec3& v : mesh.vertices) v = rotated(v);
@@ -77,7 +78,8 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const Confid
     meter.stage("confidence", 1, 0, 1);
     const SignPlan plan = plan_sign(mesh, by_winding, meter);
     if (plan.boundary.edges.empty()) return;
-    const OpenWinding winding({mesh, plan.use}, plan.boundary, grid, WindingRule::positive, meter);
+    const auto caps = std::make_shared<const Caps>(plan.boundary, meter);
+    const OpenWinding winding({mesh, plan.use}, caps, grid, WindingRule::positive, meter);
     tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, grid.size.y * grid.size.z, 16), [&](const auto& range) {
       WorkCheck check(meter, kLooks);
       for (std::int64_t row = range.begin(); row != range.end(); ++row)

@@ -84,9 +84,8 @@ class Scan {
       : mesh_(mesh),
         grid_(grid),
         invert_(invert),
-        axes_{LatticeAxis(grid.origin.x, grid.spacing.x, grid.size.x, {}),
-              LatticeAxis(grid.origin.y, grid.spacing.y, grid.size.y, {}),
-              LatticeAxis(grid.origin.z, grid.spacing.z, grid.size.z, {})} {}
+        axes_{LatticeAxis(axis_of(grid, 0), {}), LatticeAxis(axis_of(grid, 1), {}), LatticeAxis(axis_of(grid, 2), {})} {
+  }
 
   void add_crossings_of(std::size_t triangle, FoundCrossings& found) const {
     if (mesh_.use_of(triangle) == 0) return;

@@ -110,29 +110,28 @@ void plan_shell(SignPlan& plan, MeshView, const SignOptions&, ProgressMeter&) {
 
 using Made = std::unique_ptr<SampleSigns>;
 
-Made winding_signs(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
+Made winding_signs(const OrientedMesh& mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                    ProgressMeter& progress) {
-  const OrientedMesh oriented{mesh, plan.use};
   if (plan.boundary.edges.empty())
-    return std::make_unique<IntegerWinding>(oriented, field.grid, options.rule, progress, field.crossing_bytes);
-  return std::make_unique<OpenWinding>(oriented, plan.boundary, field.grid, options.rule, progress);
+    return std::make_unique<IntegerWinding>(mesh, field.grid, options.rule, progress, field.crossing_bytes);
+  if (!plan.caps) plan.caps = std::make_shared<const Caps>(plan.boundary, progress);
+  return std::make_unique<OpenWinding>(mesh, plan.caps, field.grid, options.rule, progress);
 }
 
-Made parity_signs(MeshView mesh, SignPlan&, const SignOptions&, const UnsignedField& field, ProgressMeter& progress) {
-  return std::make_unique<IntegerWinding>(OrientedMesh{mesh}, field.grid, WindingRule::odd, progress,
-                                          field.crossing_bytes);
+Made parity_signs(const OrientedMesh& mesh, SignPlan&, const SignOptions&, const UnsignedField& field,
+                  ProgressMeter& progress) {
+  return std::make_unique<IntegerWinding>(mesh, field.grid, WindingRule::odd, progress, field.crossing_bytes);
 }
 
 template <SideOfNearest (*kSideOf)(const OrientedMesh&)>
-Made signs_by_nearest(MeshView mesh, SignPlan& plan, const SignOptions&, const UnsignedField& field,
+Made signs_by_nearest(const OrientedMesh& mesh, SignPlan&, const SignOptions&, const UnsignedField& field,
                       ProgressMeter& progress) {
-  return std::make_unique<NormalSigns>(mesh, kSideOf(OrientedMesh{mesh, plan.use}), field.grid, field.thickness,
-                                       field.nearest, progress);
+  return std::make_unique<NormalSigns>(mesh.mesh, kSideOf(mesh), field.grid, field.thickness, field.nearest, progress);
 }
 
-Made flood_signs(MeshView mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
+Made flood_signs(const OrientedMesh& mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                  ProgressMeter& progress) {
-  auto signs = std::make_unique<Flood>(mesh, field.grid, progress);
+  auto signs = std::make_unique<Flood>(mesh.mesh, field.grid, progress);
   if (!signs->leaks()) return signs;
   plan.report.sure = false;
   plan.report.why += "; the flood comes everywhere, so nothing is inside: the gaps are too wide for this grid";
@@ -146,9 +145,9 @@ constexpr SignMethodSteps kMethodSteps[] = {
     {SignMethod::automatic, plan_winding},
     {SignMethod::winding, plan_winding, winding_signs},
     {SignMethod::parity, plan_parity, parity_signs},
-    {SignMethod::normal, plan_normal, signs_by_nearest<by_pseudonormals>, false, true},
-    {SignMethod::facet, plan_facet, signs_by_nearest<by_planes>, false, true},
-    {SignMethod::flood, plan_flood, flood_signs, false},
+    {SignMethod::normal, plan_normal, signs_by_nearest<by_pseudonormals>, SignScope::field, true},
+    {SignMethod::facet, plan_facet, signs_by_nearest<by_planes>, SignScope::field, true},
+    {SignMethod::flood, plan_flood, flood_signs, SignScope::grid},
     {SignMethod::shell, plan_shell},
     {SignMethod::none, plan_nothing},
 };
@@ -166,7 +165,12 @@ const SignMethodSteps& steps_of(SignMethod method) {
 
 std::unique_ptr<SampleSigns> make_signs(MeshView mesh, SignPlan& plan, const SignOptions& options,
                                         const UnsignedField& field, ProgressMeter& progress) {
-  return steps_of(plan.report.method).make(mesh, plan, options, field, progress);
+  return steps_of(plan.report.method).make({mesh, plan.use}, plan, options, field, progress);
+}
+
+std::unique_ptr<SampleSigns> make_signs_of_window(const OrientedMesh& part, SignPlan& plan, const SignOptions& options,
+                                                  const UnsignedField& window, ProgressMeter& progress) {
+  return steps_of(plan.report.method).make(part, plan, options, window, progress);
 }
 
 }  // namespace standoff

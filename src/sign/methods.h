@@ -26,14 +26,21 @@ struct UnsignedField {
   std::int64_t crossing_bytes = std::numeric_limits<std::int64_t>::max();
 };
 
+/// What must be known before the samples of a window get the signs that they have in the whole grid.
+enum class SignScope {
+  window,  ///< the triangles that its rows may cross
+  grid,    ///< the grid and the mesh
+  field,   ///< the whole field
+};
+
 struct SignMethodSteps {
   SignMethod method;
   /// Fills the plan (plan_sign). `report.method` is there already.
   void (*plan)(SignPlan& plan, MeshView mesh, const SignOptions& options, ProgressMeter& progress);
   /// As make_signs(); nullptr where no SampleSigns decide.
-  std::unique_ptr<SampleSigns> (*make)(MeshView mesh, SignPlan& plan, const SignOptions& options,
+  std::unique_ptr<SampleSigns> (*make)(const OrientedMesh& mesh, SignPlan& plan, const SignOptions& options,
                                        const UnsignedField& field, ProgressMeter& progress) = nullptr;
-  bool in_slabs = true;        ///< decides layers of the grid one after another
+  SignScope scope = SignScope::window;
   bool needs_nearest = false;  ///< of a field: UnsignedField::nearest
 };
 
@@ -45,5 +52,9 @@ const SignMethodSteps& steps_of(SignMethod method);
 /// they are. Throws Error{interrupted, doubt}.
 std::unique_ptr<SampleSigns> make_signs(MeshView mesh, SignPlan& plan, const SignOptions& options,
                                         const UnsignedField& field, ProgressMeter& progress);
+/// The same by those triangles of the mesh that are in `part`, of methods of SignScope::window: at least the ones that
+/// rows of the grid, or the rays from there to smaller x, may cross. `part` must stay where it is.
+std::unique_ptr<SampleSigns> make_signs_of_window(const OrientedMesh& part, SignPlan& plan, const SignOptions& options,
+                                                  const UnsignedField& window, ProgressMeter& progress);
 
 }  // namespace standoff

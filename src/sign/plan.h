@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/progress.h"
@@ -13,11 +14,14 @@
 
 namespace standoff {
 
+struct Caps;
+
 struct SignPlan {
   SignReport report;
   std::vector<std::int8_t> use;        ///< OrientedMesh::use
   std::vector<std::uint32_t> exposed;  ///< SignOptions::outer: triangles that are not internal, ascending; empty: all
   Boundary boundary;                   ///< of the mesh in that orientation; empty also where the method needs none
+  std::shared_ptr<const Caps> caps;    ///< of the boundary; made with the first signs that need it
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };

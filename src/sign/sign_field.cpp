@@ -41,21 +41,22 @@ void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kT
 // Gives the tiles of a row of tiles their signs.
 class SignedTiles {
  public:
-  SignedTiles(const InsideRows& rows, std::int64_t ty, std::int64_t tz, DistanceField& field)
-      : rows_(rows), ty_(ty), tz_(tz), field_(field) {}
+  // The field's tile (tx, ty, tz) is tile tx + shift of the rows.
+  SignedTiles(const InsideRows& rows, std::int64_t shift, std::int64_t ty, std::int64_t tz, DistanceField& field)
+      : rows_(rows), shift_(shift), ty_(ty), tz_(tz), field_(field) {}
 
   void add(std::int64_t tx) {
-    if (rows_.is_empty(tx)) return;
+    if (rows_.is_empty(tx + shift_)) return;
     if (field_.tile(tx, ty_, tz_)) return take(tx);
-    if (rows_.is_full(tx)) return field_.mark_inside(tx, ty_, tz_);
+    if (rows_.is_full(tx + shift_)) return field_.mark_inside(tx, ty_, tz_);
     const std::span<float, kTileSamples> values = field_.store_tile(tx, ty_, tz_);
     std::ranges::fill(values, static_cast<float>(field_.thickness()));
     if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
-    negate_inside(rows_.tile(tx), values);
+    negate_inside(rows_.tile(tx + shift_), values);
   }
   // Negates the tile that still waits.
   void finish() {
-    if (waiting_) negate_inside(rows_.tile(tx_), std::span<float, kTileSamples>(waiting_, kTileSamples));
+    if (waiting_) negate_inside(rows_.tile(tx_ + shift_), std::span<float, kTileSamples>(waiting_, kTileSamples));
     waiting_ = nullptr;
   }
 
@@ -70,7 +71,7 @@ class SignedTiles {
   }
 
   const InsideRows& rows_;
-  std::int64_t ty_, tz_;
+  std::int64_t shift_, ty_, tz_;
   DistanceField& field_;
   float* waiting_ = nullptr;
   std::int64_t tx_ = 0;
@@ -78,17 +79,17 @@ class SignedTiles {
 
 }  // namespace
 
-void sign_field(SampleSigns& signs, bool invert, DistanceField& field, ProgressMeter& progress) {
-  RowsOfTiles rows(signs, invert, field.grid(), progress);
-  sign_slab(rows, 0, field);
-}
-
-void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab) {
-  rows.next_layers(slab.tile_count().z, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-    SignedTiles signs(inside, ty, tz - first_layer, slab);
-    for (std::int64_t tx = inside.first_tile(); tx < inside.end_of_tiles(); ++tx) signs.add(tx);
-    signs.finish();
-  });
+void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField& field, ProgressMeter& progress) {
+  const Grid& window = field.grid();
+  const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
+  const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
+  const auto sign_row = [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
+    SignedTiles tiles(inside, shift_x, ty - shift_y, tz - shift_z, field);
+    const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
+    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx) tiles.add(tx);
+    tiles.finish();
+  };
+  for_each_row_of_tiles(signs, invert, grid, window, progress, sign_row);
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {

@@ -21,52 +21,42 @@
 
 namespace standoff {
 
-/// Goes through the rows of tiles once, some layers of tiles at a time. All that the signs have loaded serves all
-/// layers that it holds. Runs on the threads of the TBB arena that constructs it.
-class RowsOfTiles {
- public:
-  RowsOfTiles(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress)
-      : signs_(signs),
-        invert_(invert),
-        tiles_y_(tiles_along(grid.size.y)),
-        all_(tiles_y_ * tiles_along(grid.size.z)),
-        progress_(progress),
-        scratch_([&grid] { return InsideRows(grid); }) {}
-
-  /// Calls use(rows, ty, tz) for each row of tiles of the next layers. Throws Error{interrupted}.
-  template <class Use>
-  void next_layers(std::int64_t layers, const Use& use) {
-    for (const std::int64_t end = std::min(all_, next_ + layers * tiles_y_); next_ < end;) {
-      if (next_ == loaded_) loaded_ = std::min(all_, signs_.load(next_));
-      const std::int64_t stop = std::min(end, loaded_);
-      tbb::parallel_for(tbb::blocked_range<std::int64_t>(next_, stop, 8), [&](const auto& range) {
-        InsideRows& rows = scratch_.local();
-        for (std::int64_t n = range.begin(); n != range.end(); ++n) {
-          progress_.check();  // a range may be many rows
-          const std::int64_t ty = n % tiles_y_, tz = n / tiles_y_;
-          rows.clear(ty, tz);
-          signs_.fill(rows, ty, tz);
-          if (invert_) rows.invert();
-          use(rows, ty, tz);
-        }
-      });
-      next_ = stop;
-    }
+/// Calls use(rows, ty, tz) for each row of tiles of a window, which is a part of `grid`, that of the signs: all tiles
+/// of the grid's rows (ty, tz). Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+template <class Use>
+void for_each_row_of_tiles(SampleSigns& signs, bool invert, const Grid& grid, const Grid& window,
+                           ProgressMeter& progress, const Use& use) {
+  const std::int64_t tiles_y = tiles_along(grid.size.y), rows_y = tiles_along(window.size.y),
+                     rows_z = tiles_along(window.size.z);
+  const std::int64_t first_y = (window.first.y - grid.first.y) / kTileSide,
+                     first_z = (window.first.z - grid.first.z) / kTileSide;
+  const std::int64_t first = first_y + tiles_y * first_z, count = rows_y * rows_z;
+  const auto number = [&](std::int64_t n) { return first + n % rows_y + tiles_y * (n / rows_y); };
+  PerThread<InsideRows> scratch([&grid] { return InsideRows(grid); });
+  // Windows of a larger grid have signs that load all rows at once.
+  for (std::int64_t next = 0; next < count;) {
+    const std::int64_t loaded = signs.load(number(next));
+    std::int64_t end = next + 1;
+    if (loaded > number(count - 1)) end = count;
+    while (end < count && number(end) < loaded) ++end;
+    tbb::parallel_for(tbb::blocked_range<std::int64_t>(next, end, 8), [&](const auto& range) {
+      InsideRows& rows = scratch.local();
+      for (std::int64_t n = range.begin(); n != range.end(); ++n) {
+        progress.check();  // a range may be many rows
+        const std::int64_t ty = first_y + n % rows_y, tz = first_z + n / rows_y;
+        rows.clear(ty, tz);
+        signs.fill(rows, ty, tz);
+        if (invert) rows.invert();
+        use(rows, ty, tz);
+      }
+    });
+    next = end;
   }
-
- private:
-  SampleSigns& signs_;
-  bool invert_;
-  std::int64_t tiles_y_, all_;
-  ProgressMeter& progress_;
-  PerThread<InsideRows> scratch_;
-  std::int64_t next_ = 0, loaded_ = 0;  // numbers of rows of tiles
-};
-
-/// Calls use(rows, ty, tz) for each row of tiles, on the threads of the calling TBB arena. Throws Error{interrupted}.
+}
+/// The same for all rows of the grid.
 template <class Use>
 void for_each_row_of_tiles(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress, const Use& use) {
-  RowsOfTiles(signs, invert, grid, progress).next_layers(tiles_along(grid.size.z), use);
+  for_each_row_of_tiles(signs, invert, grid, grid, progress, use);
 }
 
 /// One bit for each sample of a grid. Rows along x, y before z; each begins with a new byte, its first sample in the
@@ -88,11 +78,9 @@ struct SampleBits {
 SampleBits bits_of(SampleSigns& signs, bool invert, const Grid& grid, ProgressMeter& progress);
 
 /// Negates the values inside. A tile that is not stored is marked as inside, or is stored if it has samples on both
-/// sides. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
-void sign_field(SampleSigns& signs, bool invert, DistanceField& field, ProgressMeter& progress);
-/// The same for the layers of tiles of a slab, which are the next ones of `rows`. The first one is layer `first_layer`
-/// of the whole grid. Runs on the threads of the TBB arena of `rows`.
-void sign_slab(RowsOfTiles& rows, std::int64_t first_layer, DistanceField& slab);
+/// sides. The field's grid is that of the signs, or a window of it in whole tiles. Runs on the threads of the calling
+/// TBB arena. Throws Error{interrupted}.
+void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField& field, ProgressMeter& progress);
 /// The same for one value per sample, x fastest.
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress);
 

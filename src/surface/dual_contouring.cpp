@@ -272,8 +272,7 @@ class DualContouring {
   Cut cut(const Block& block, int axis, int x, int y, int z, const DualPolygon& polygon) const {
     if (polygon.has_more()) return Cut::fan;
     const Grid& grid = blocks_.field().grid();
-    const Vec3 lower =
-        grid.origin + grid.spacing * Vec3{8.0 * block.at[0] + x, 8.0 * block.at[1] + y, 8.0 * block.at[2] + z};
+    const Vec3 lower = grid.position(8 * block.at[0] + x, 8 * block.at[1] + y, 8 * block.at[2] + z);
     std::array<Vec3, 4> corner;
     for (std::size_t n = 0; n < 4; ++n) {
       const Vec3 p = (mesh_.vertices[polygon.vertices[n]] - lower) / grid.spacing;

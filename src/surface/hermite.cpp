@@ -137,9 +137,8 @@ class CrossingsOfEdges {
   static constexpr std::int64_t kMargin = 2;
   static std::array<LatticeAxis, 3> axes_of(const Grid& grid) {
     const LatticeAxis::Margin margin{kMargin, kMargin};
-    return {LatticeAxis(grid.origin.x, grid.spacing.x, grid.size.x, margin),
-            LatticeAxis(grid.origin.y, grid.spacing.y, grid.size.y, margin),
-            LatticeAxis(grid.origin.z, grid.spacing.z, grid.size.z, margin)};
+    return {LatticeAxis(axis_of(grid, 0), margin), LatticeAxis(axis_of(grid, 1), margin),
+            LatticeAxis(axis_of(grid, 2), margin)};
   }
 
   // Offers a triangle to the edge from a sample along an axis to the next one.
@@ -240,7 +239,7 @@ void hermite_of_mesh(const Blocks& blocks, const EdgePoints& points, MeshView me
   });
   const Grid& grid = blocks.field().grid();
   const auto lower_end = [&](const Block& block, int x, int y, int z) {
-    return grid.origin + grid.spacing * Vec3{8.0 * block.at[0] + x, 8.0 * block.at[1] + y, 8.0 * block.at[2] + z};
+    return grid.position(8 * block.at[0] + x, 8 * block.at[1] + y, 8 * block.at[2] + z);
   };
   tbb::parallel_for(std::size_t{0}, blocks.all().size(), [&](std::size_t n) {
     const Block& block = blocks.all()[n];

@@ -27,8 +27,7 @@ enum class Fate : std::uint8_t { elsewhere, kept, lost };
 
 Fate fate_of(const Vec3& p, const DistanceField& field, float level) {
   const Grid& grid = field.grid();
-  const Vec3 at{(p.x - grid.origin.x) / grid.spacing.x, (p.y - grid.origin.y) / grid.spacing.y,
-                (p.z - grid.origin.z) / grid.spacing.z};
+  const Vec3 at = (p - grid.corner()) / grid.spacing;
   const auto within = [](double x, std::int64_t size) { return x >= 0 && x <= static_cast<double>(size - 1); };
   if (!within(at.x, grid.size.x) || !within(at.y, grid.size.y) || !within(at.z, grid.size.z)) return Fate::elsewhere;
   const auto cell = [](double x) { return static_cast<std::int64_t>(x); };

@@ -26,15 +26,16 @@ EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) 
   double far = 0;  // the largest quotient of an axis' coordinate and its spacing
   double largest = 0, least = std::numeric_limits<double>::infinity();
   const Vec3 beyond = grid.position(grid.size.x + 1, grid.size.y + 1, grid.size.z + 1);
+  const Vec3 corner = grid.corner();
   const auto look = [&](double origin, double end, double spacing) {
     const double size = std::max({std::abs(origin - spacing), std::abs(end), spacing});
     far = std::max(far, size / spacing);
     largest = std::max(largest, size);
     least = std::min(least, spacing);
   };
-  look(grid.origin.x, beyond.x, grid.spacing.x);
-  look(grid.origin.y, beyond.y, grid.spacing.y);
-  look(grid.origin.z, beyond.z, grid.spacing.z);
+  look(corner.x, beyond.x, grid.spacing.x);
+  look(corner.y, beyond.y, grid.spacing.y);
+  look(corner.z, beyond.z, grid.spacing.z);
 
   // A unit in the last place of a number below 2^n is 2^(n - 24), or 2^(n - 53).
   const double for_floats = std::max(kLeastCrossing, kUnits * far * 0x1p-23);

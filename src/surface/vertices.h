@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/grid_axis.h"
 #include "core/memory.h"
 #include "standoff/grid.h"
 #include "standoff/surface.h"
@@ -47,13 +48,12 @@ class EdgePoints {
 
   /// The point that is (x, y, z) spacings from the block's first sample, rounded to the coordinates of the result.
   Vec3 at(const std::array<std::int32_t, 3>& block, Vec3 local) const {
-    const auto coordinate = [&](double origin, double spacing, std::int32_t first, double step) {
-      const double c = origin + spacing * (8.0 * first + step);
+    const auto coordinate = [&](std::size_t n, double step) {
+      const GridAxis axis = axis_of(grid_, n);
+      const double c = axis.origin + axis.spacing * (static_cast<double>(axis.first) + 8.0 * block[n] + step);
       return floats_ ? rounded_to_float(c) : c;
     };
-    return {coordinate(grid_.origin.x, grid_.spacing.x, block[0], local.x),
-            coordinate(grid_.origin.y, grid_.spacing.y, block[1], local.y),
-            coordinate(grid_.origin.z, grid_.spacing.z, block[2], local.z)};
+    return {coordinate(0, local.x), coordinate(1, local.y), coordinate(2, local.z)};
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/grid_axis.h"
 #include "core/guarded.h"
 #include "core/number_text.h"
 #include "core/progress.h"
@@ -82,9 +83,8 @@ class Painter {
   explicit Painter(Occupancy& voxels)
       : voxels_(voxels),
         half_(voxels.grid.spacing * 0.5),
-        axes_{SampleAxis(voxels.grid.origin.x, voxels.grid.spacing.x, voxels.grid.size.x),
-              SampleAxis(voxels.grid.origin.y, voxels.grid.spacing.y, voxels.grid.size.y),
-              SampleAxis(voxels.grid.origin.z, voxels.grid.spacing.z, voxels.grid.size.z)} {}
+        axes_{SampleAxis(axis_of(voxels.grid, 0)), SampleAxis(axis_of(voxels.grid, 1)),
+              SampleAxis(axis_of(voxels.grid, 2))} {}
 
   // Visits the columns of voxels across the triangle, and in each the voxels near the triangle's plane.
   void paint(const std::array<Vec3, 3>& t, ProgressMeter& meter) const {

@@ -11,6 +11,7 @@
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
 #include "standoff/verify.h"
+#include "standoff/windows.h"
 #include "tests/api/misuse.h"
 
 namespace standoff {
@@ -50,6 +51,25 @@ TEST(Misuse, Grids) {
       expect_answer_or_error(name, [&] { SlabComputation(mesh, grid, thickness, on_cpu(), 1).next(); });
     }
   }
+}
+
+TEST(Misuse, Windows) {
+  const Mesh triangle = one_triangle();
+  WindowComputation windows(triangle, kFieldGrid, 1, {9, 9, 9}, on_cpu());
+  DistanceField field;
+  for (const std::int64_t n : kCounts)
+    for (const std::int64_t m : kCounts) {
+      const std::string name = named("first", n) + ", " + named("size", m);
+      expect_answer_or_error(name, [&] { windows.compute({n, 0, 0}, {m, 1, 1}, field); });
+      expect_answer_or_error(name, [&] { windows.compute({0, 0, n}, {1, 1, m}, field); });
+      expect_answer_or_error(name, [&] { static_cast<void>(windows.is_reached({0, n, 0}, {1, m, 1})); });
+      expect_answer_or_error(name, [&] { WindowComputation(triangle, kFieldGrid, 1, {n, m, 1}, on_cpu()); });
+      expect_answer_or_error(name, [&] {
+        EXPECT_GT(estimate_window(triangle, kFieldGrid, 1, {n, 1, m}, on_cpu()), 0);
+      });
+    }
+  for (const Mesh& mesh : unusable_meshes())
+    expect_answer_or_error("mesh", [&] { WindowComputation(mesh, kFieldGrid, 1, {9, 9, 9}, on_cpu()); });
 }
 
 TEST(Misuse, Slabs) {

@@ -123,6 +123,7 @@ inline std::vector<Grid> odd_grids() {
   for (const std::int64_t n : kCounts)
     if (n < 1 || n > 2) {
       grids.push_back({{n, n, n}, {}});
+      grids.push_back({{2, 2, 2}, {}, {1, 1, 1}, {0, n, 0}});
       if (n < 1 || n > std::int64_t{1} << 34) {
         grids.push_back({{n, 1, 1}, {}});
         grids.push_back({{1, 2, n}, {}});

@@ -118,13 +118,13 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
   const Grid grid = cube(80, {-5, -5, -5}, 10);
   for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
     for (const double thickness : {0.3, 2.0, kInfinity})
-      for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::flood}) {
+      for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::normal}) {
         ComputeOptions options{.sign = {SignMethod::none}};
         options.execution = {.threads = 2, .backend = Backend::cpu};
         options.sign.method = method;
         if (method == SignMethod::shell) options.sign.shell = 0.2;
         const std::int64_t needed = estimate(mesh, grid, thickness, options, 1).slabs;
-        if (method == SignMethod::flood) {
+        if (method == SignMethod::normal) {
           EXPECT_EQ(needed, estimate(mesh, grid, thickness, options).whole) << "it is one slab";
           continue;
         }

@@ -41,7 +41,7 @@ struct Outcome {
 Outcome compare(const Mesh& mesh, const Grid& grid, std::int64_t step = 1, double tolerance = 1e-9) {
   const ProgressCallback none;
   ProgressMeter progress(none);
-  const Boundary boundary = net_boundary({mesh}, MeshEdges(mesh));
+  const auto caps = std::make_shared<const Caps>(net_boundary({mesh}, MeshEdges(mesh)), progress);
   std::vector<BruteWinding> brute;
   const auto position = [&](std::int64_t n) {
     return std::array{n % grid.size.x, n / grid.size.x % grid.size.y, n / grid.size.x / grid.size.y};
@@ -52,7 +52,7 @@ Outcome compare(const Mesh& mesh, const Grid& grid, std::int64_t step = 1, doubl
   }
   Outcome outcome;
   for (const WindingRule rule : kRules) {
-    OpenWinding winding({mesh}, boundary, grid, rule, progress);
+    OpenWinding winding({mesh}, caps, grid, rule, progress);
     const std::vector<bool> inside = sides_of(winding, grid);
     std::int64_t surely_doubtful = 0, perhaps_doubtful = 0;
     for (std::int64_t n = 0; n < grid.sample_count(); n += step) {

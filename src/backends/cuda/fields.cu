@@ -67,11 +67,11 @@ class Windows {
   }
 
   std::int64_t count() const { return count_; }
-  Size3 first(std::int64_t n) const { return {0, 0, kBrickSide * (layers_ * n / count_)}; }
   Grid at(std::int64_t n) const {
-    Grid window = grid_;
-    window.size.z = std::min(first(n + 1).z, grid_.size.z) - first(n).z;
-    return window;
+    const auto slice = [&](std::int64_t window) {
+      return std::min(kBrickSide * (layers_ * window / count_), grid_.size.z);
+    };
+    return grid_.window({0, 0, slice(n)}, {grid_.size.x, grid_.size.y, slice(n + 1) - slice(n)});
   }
   /// The number of the next one; count() or more if there is none, or the work has failed.
   std::int64_t next() { return next_++; }
@@ -89,7 +89,7 @@ Counts run_on(int device, const Job& job, Windows& windows, Sink& sink) {
   const HostRun<Pipeline> run(job, windows.at(0));
   Counts sum;
   for (std::int64_t n = windows.next(); n < windows.count(); n = windows.next()) {
-    const Counts counts = run.run(windows.at(n), windows.first(n), sink);
+    const Counts counts = run.run(windows.at(n), sink);
     sum.samples_examined += counts.samples_examined;
     sum.samples_band += counts.samples_band;
   }

@@ -86,8 +86,13 @@ inline int tile_in(const Cell& brick, const Cell& tile) {
 /// between cells, across its longest side, so that the work of a thread stays compact.
 class BrickRange {
  public:
-  BrickRange(const BlockLattice& lattice, const BrickLayers& layers)
-      : low_{0, 0, layers.begin}, high_{lattice.bricks[0], lattice.bricks[1], layers.end} {}
+  /// The bricks of a window of the lattice's grid, which begins at a brick.
+  BrickRange(const Grid& grid, const Grid& window) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low_[axis] = (window.first[axis] - grid.first[axis]) / kBrickSide;
+      high_[axis] = low_[axis] + (window.size[axis] + kBrickSide - 1) / kBrickSide;
+    }
+  }
   BrickRange(BrickRange& other, tbb::split) : BrickRange(other) {
     const int axis = other.longest();
     std::int64_t step = 1;

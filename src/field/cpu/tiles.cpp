@@ -49,54 +49,28 @@ void write_brick(const BlockLattice& lattice, const Brick& brick, const Kernels&
 
 // Thin bands.
 
-class ThinBand final : public LayerGather {
- public:
-  ThinBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels)
-      : job_(job), lattice_(lattice), kernels_(kernels), batches_(job, lattice, most_refs(job.triangle_count())) {}
-
-  // A batch may span several layers, and a layer several batches: first use the rest of the last batch.
-  void gather(const BrickLayers& layers, Sink& sink) override {
-    const std::int64_t of_layer = lattice_.bricks[0] * lattice_.bricks[1], end = of_layer * layers.end;
-    for (std::int64_t first = of_layer * layers.begin; first < end;) {
-      const Bins& bins = batches_.bins();
-      if (first == bins.end_brick()) batches_.next();
-      const std::int64_t last = std::min(end, bins.end_brick());
-      tbb::parallel_for(first, last, [&](std::int64_t brick) { gather_brick(brick, sink); });
-      first = last;
-    }
-  }
-
-  Counts counts() override {
-    Counts counts;
-    states_.for_each([&](const BrickState& state) {
-      counts.samples_examined += state.samples_examined;
-      counts.samples_band += state.samples_band;
-    });
-    return counts;
-  }
-
- private:
-  void gather_brick(std::int64_t n, Sink& sink) {
-    const auto refs = batches_.bins().of(n - batches_.bins().first_brick);
+Counts run_thin_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink) {
+  PerThread<BrickState> states;
+  const auto gather_brick = [&](const Bins& bins, std::int64_t n) {
+    const auto refs = bins.of(n);
     if (!refs.empty()) {
-      BrickState& state = states_.local();
-      const Brick brick = brick_at(lattice_, n);
-      kernels_.clear(sink.with_nearest(), state);
-      kernels_.gather_band(lattice_, brick, candidates_of(job_, refs), sink.with_nearest(), state);
-      write_brick(lattice_, brick, kernels_, state, sink);
+      BrickState& state = states.local();
+      const Brick brick = brick_at(lattice, bins.first_brick + n);
+      kernels.clear(sink.with_nearest(), state);
+      kernels.gather_band(lattice, brick, candidates_of(job, refs), sink.with_nearest(), state);
+      write_brick(lattice, brick, kernels, state, sink);
     }
-    job_.progress.advance();
-  }
-
-  const Job& job_;
-  const BlockLattice& lattice_;
-  const Kernels& kernels_;
-  BinBatches batches_;
-  PerThread<BrickState> states_;
-};
-
-std::unique_ptr<LayerGather> thin_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels) {
-  return std::make_unique<ThinBand>(job, lattice, kernels);
+    job.progress.advance();
+  };
+  for_each_batch(job, lattice, most_refs(job.triangle_count()), [&](const Bins& bins) {
+    tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) { gather_brick(bins, n); });
+  });
+  Counts counts;
+  states.for_each([&](const BrickState& state) {
+    counts.samples_examined += state.samples_examined;
+    counts.samples_band += state.samples_band;
+  });
+  return counts;
 }
 
 std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
@@ -116,23 +90,29 @@ struct TileWork {
   CrowdedTable crowded;
 };
 
-class ThickBand final : public LayerGather {
+class ThickBand final : public WindowGather {
  public:
-  ThickBand(const Job& job, const BlockLattice& lattice, const Kernels& kernels)
+  explicit ThickBand(const Job& job)
       : job_(job),
-        lattice_(lattice),
-        kernels_(kernels),
-        culling_(job, lattice, kernels, morton_order(job.mesh, job.kept, job.progress)),
+        lattice_(make_block_lattice(job.grid, job.thickness)),
+        kernels_(kernels_for(job.simd)),
+        culling_(job, lattice_, kernels_, morton_order(job.mesh, job.kept, job.progress)),
         threads_([this] { return std::make_unique<TileWork>(culling_.make_lists(levels_of(lattice_))); }) {}
 
-  void gather(const BrickLayers& layers, Sink& sink) override {
-    sink_ = &sink;
-    tbb::parallel_for(BrickRange(lattice_, layers), [this](const BrickRange& range) {
+  Counts gather(const Grid& window, Sink& sink, ProgressMeter& progress) override {
+    Sink whole = sink.of_window(window, job_.grid);
+    sink_ = &whole;
+    progress_ = &progress;
+    const Counts before = counts();
+    tbb::parallel_for(BrickRange(job_.grid, window), [this](const BrickRange& range) {
       visit(0, whole_grid(lattice_), {}, range, *threads_.local());
     });
+    const Counts now = counts();
+    return {now.samples_examined - before.samples_examined, now.samples_band - before.samples_band};
   }
 
-  Counts counts() override {
+ private:
+  Counts counts() {
     Counts counts;
     threads_.for_each([&](const std::unique_ptr<TileWork>& state) {
       counts.samples_examined += state->brick.samples_examined;
@@ -141,11 +121,10 @@ class ThickBand final : public LayerGather {
     return counts;
   }
 
- private:
   // Visits the bricks of a cell that are in the range.
   void visit(int level, const Cell& cell, const References& near, const BrickRange& range, TileWork& state) {
     const CellCandidates& own = culling_.enter(level, cell, near, state.lists);
-    if (own.list.size() == 0) return job_.progress.advance(range.bricks_of(cell));
+    if (own.list.size() == 0) return progress_->advance(range.bricks_of(cell));
     if (cell.side == kBrickSide) return gather_brick(own, state);
     Cell parts[8];
     const int count = halves(cell, parts);
@@ -162,7 +141,7 @@ class ThickBand final : public LayerGather {
     const int count = halves(own.cell, tiles);
     for (int n = 0; n < count; ++n) gather_tile(brick, own, tiles[n], state);
     write_brick(lattice_, brick, kernels_, state.brick, *sink_);
-    job_.progress.advance();
+    progress_->advance();
   }
 
   void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, TileWork& state) {
@@ -200,48 +179,31 @@ class ThickBand final : public LayerGather {
   }
 
   const Job& job_;
-  const BlockLattice& lattice_;
+  BlockLattice lattice_;
   const Kernels& kernels_;
-  Sink* sink_ = nullptr;  // while it gathers
+  Sink* sink_ = nullptr;  // this and the next one while it gathers
+  ProgressMeter* progress_ = nullptr;
   CandidateCulling culling_;
   PerThread<std::unique_ptr<TileWork>> threads_;
 };
-
-std::unique_ptr<LayerGather> thick_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels) {
-  return std::make_unique<ThickBand>(job, lattice, kernels);
-}
 
 std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
   return CandidateCulling::bytes(triangles, lattice, threads) + static_cast<std::int64_t>(sizeof(TileWork)) * threads;
 }
 
-// The parts of a job refer to the lattice, so it lives here.
-class Tiles final : public LayerGather {
- public:
-  explicit Tiles(const Job& job) : lattice_(make_block_lattice(job.grid, job.thickness)) {
-    const Kernels& kernels = kernels_for(job.simd);
-    job.progress.stage("gather", lattice_.brick_count(), 0.2, 1);
-    band_ = is_thin(job.grid, job.thickness) ? thin_band(job, lattice_, kernels) : thick_band(job, lattice_, kernels);
-  }
-
-  void gather(const BrickLayers& layers, Sink& sink) override { band_->gather(layers, sink); }
-  Counts counts() override { return band_->counts(); }
-  std::int64_t layers() const { return lattice_.bricks[2]; }
-
- private:
-  BlockLattice lattice_;
-  std::unique_ptr<LayerGather> band_;
-};
-
 }  // namespace
 
 Counts run_tiles(const Job& job, Sink& sink) {
-  Tiles tiles(job);
-  tiles.gather({0, tiles.layers()}, sink);
-  return tiles.counts();
+  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  if (!is_thin(job.grid, job.thickness)) return ThickBand(job).gather(job.grid, sink, job.progress);
+  const BlockLattice lattice = make_block_lattice(job.grid, job.thickness);
+  return run_thin_band(job, lattice, kernels_for(job.simd), sink);
 }
 
-std::unique_ptr<LayerGather> tiles_in_layers(const Job& job) { return std::make_unique<Tiles>(job); }
+std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
+  if (is_thin(job.grid, job.thickness)) return nullptr;
+  return std::make_unique<ThickBand>(job);
+}
 
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 

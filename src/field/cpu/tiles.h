@@ -11,7 +11,8 @@
 namespace standoff::cpu {
 
 Counts run_tiles(const Job& job, Sink& sink);
-std::unique_ptr<LayerGather> tiles_in_layers(const Job& job);
+/// BackendRow::in_windows.
+std::unique_ptr<WindowGather> tiles_in_windows(const Job& job);
 std::string tiles_device(Simd requested);
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 

@@ -27,11 +27,11 @@ std::int64_t counting_bytes(std::int64_t triangles, const Lattice& l) {
 /// that memory, and launches the work that needs it.
 class CountedRun {
  public:
-  /// Requires a valid mesh in device memory. `grid` and `first` as for make_lattice(). `waited` is called each time
-  /// after the counts were read.
+  /// Requires a valid mesh in device memory. `grid` as for make_lattice(). `waited` is called each time after the
+  /// counts were read.
   CountedRun(const DeviceMesh& mesh, const Grid& grid, double thickness, bool with_nearest,
-             std::function<void()> waited, const Size3& first = {})
-      : lattice(make_lattice(grid, thickness, first)),
+             std::function<void()> waited)
+      : lattice(make_lattice(grid, thickness)),
         with_nearest_(with_nearest),
         waited_(std::move(waited)),
         outcome_memory_(sizeof(Outcome)) {
@@ -210,10 +210,7 @@ inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, 
     }
     std::int64_t tile[3];
     tile_at(l, index, tile);
-    std::int64_t in_grid[3];
-    for (int axis = 0; axis < 3; ++axis)
-      in_grid[axis] = tile[axis] + static_cast<std::int64_t>(l.first[axis]) / kTileSide;
-    const TileTarget target = sink.open(in_grid[0], in_grid[1], in_grid[2]);
+    const TileTarget target = sink.open(tile[0], tile[1], tile[2]);
     for (std::int64_t z = 0; z < target.size.z; ++z)
       for (std::int64_t y = 0; y < target.size.y; ++y) {
         const std::int64_t from = (slot - here) * kTileSamples + 64 * z + 8 * y;
@@ -237,13 +234,13 @@ class HostRun {
   /// Copies the mesh, if there is room for it and for a window of this size.
   HostRun(const Job& job, const Grid& window) : job_(job), mesh_(with_room(job, window)) {}
 
-  /// `window` and `first` as for make_lattice(). Waits for the device.
-  Counts run(const Grid& window, const Size3& first, Sink& sink) const {
-    CountedRun field(
-        mesh_.mesh(), window, job_.thickness, sink.with_nearest(), [&] { job_.progress.check(); }, first);
+  /// A window of the job's grid that begins at a brick. Waits for the device.
+  Counts run(const Grid& window, const Sink& sink) const {
+    CountedRun field(mesh_.mesh(), window, job_.thickness, sink.with_nearest(), [&] { job_.progress.check(); });
     field.run<Pipeline>();
     job_.progress.advance((kUnitsPerCopy - 1) * copies_of(window));
-    hand_over(field.output(), field.lattice, sink, job_.progress);
+    Sink part = sink.of_window(job_.grid, window);
+    hand_over(field.output(), field.lattice, part, job_.progress);
     return {static_cast<std::int64_t>(field.outcome().samples_examined),
             static_cast<std::int64_t>(field.outcome().samples_band)};
   }

@@ -241,6 +241,7 @@ std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t
 inline void check_task(const Task& task) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   validate(task.grid);
+  if (!begins_at_brick(task.grid)) fail("a window must begin at multiples of 16 samples of its grid");
   if (!(task.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
   if (!has_float_spacing(task.grid)) fail("distances would not fit into float; give spacings of other units");
   check_count(task.mesh);

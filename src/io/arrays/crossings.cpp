@@ -36,7 +36,7 @@ void column(NpzArrays& arrays, const std::string& name, const char* type, std::s
 void write_crossing_npz(AtomicFile& file, Crossings crossings, const Grid& grid) {
   NpzArrays arrays(file);
   arrays.size("size", grid.size);
-  arrays.vector("origin", grid.origin);
+  arrays.vector("origin", grid.corner());
   arrays.vector("spacing", grid.spacing);
   using C = const EdgeCrossing&;
   column<std::int64_t>(arrays, "sample", "<i8", 3, crossings,

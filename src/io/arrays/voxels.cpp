@@ -47,7 +47,7 @@ void send_bytes(const Occupancy& voxels, const Sink& sink) {
 void write_voxel_npz(AtomicFile& file, const Occupancy& voxels) {
   const Grid& grid = voxels.grid;
   NpzArrays arrays(file);
-  arrays.vector("origin", grid.origin);
+  arrays.vector("origin", grid.corner());
   arrays.vector("spacing", grid.spacing);
   arrays.begin("voxels", {"|u1", {grid.size.x, grid.size.y, grid.size.z}, true},
                static_cast<std::uint64_t>(grid.sample_count()));
@@ -58,6 +58,7 @@ void write_voxel_npz(AtomicFile& file, const Occupancy& voxels) {
 
 void write_voxel_nrrd(AtomicFile& file, const Occupancy& voxels) {
   const Grid& g = voxels.grid;
+  const Vec3 corner = g.corner();
   const auto vector = [](double x, double y, double z) { return std::string("(") + three(x, y, z, ",") + ")"; };
   write_text(file,
              "NRRD0005\n# Voxels of a triangle mesh, by standoff\ntype: uchar\ndimension: 3\nspace dimension: 3\n"
@@ -66,20 +67,21 @@ void write_voxel_nrrd(AtomicFile& file, const Occupancy& voxels) {
                  "\nspace directions: " + vector(g.spacing.x, 0, 0) + " " + vector(0, g.spacing.y, 0) + " " +
                  vector(0, 0, g.spacing.z) +
                  "\ncenters: cell cell cell\nkinds: domain domain domain\nencoding: raw\nspace origin: " +
-                 vector(g.origin.x, g.origin.y, g.origin.z) + "\n\n");
+                 vector(corner.x, corner.y, corner.z) + "\n\n");
   send_bytes(voxels, [&](std::span<const std::byte> part) { file.write(part.data(), part.size()); });
 }
 
 // Point data, as fields are: a point of the image is a sample, the centre of its voxel.
 void write_voxel_vti(AtomicFile& file, const Occupancy& voxels) {
   const Grid& g = voxels.grid;
+  const Vec3 corner = g.corner();
   const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
   const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
   write_text(file,
              "<?xml version=\"1.0\"?>\n"
              "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
              "  <ImageData WholeExtent=\"" +
-                 extent + "\" Origin=\"" + three(g.origin.x, g.origin.y, g.origin.z, " ") + "\" Spacing=\"" +
+                 extent + "\" Origin=\"" + three(corner.x, corner.y, corner.z, " ") + "\" Spacing=\"" +
                  three(g.spacing.x, g.spacing.y, g.spacing.z, " ") +
                  "\" Direction=\"1 0 0 0 1 0 0 0 1\">\n    <Piece Extent=\"" + extent +
                  "\">\n      <PointData Scalars=\"voxels\">\n"
@@ -98,7 +100,7 @@ void write_binvox(AtomicFile& file, const Occupancy& voxels) {
   const Grid& g = voxels.grid;
   const std::int64_t side = std::max({g.size.x, g.size.y, g.size.z});
   const std::string sides = std::to_string(side);
-  const Vec3 corner = g.origin - g.spacing * 0.5;
+  const Vec3 corner = g.corner() - g.spacing * 0.5;
   write_text(file, "#binvox 1\ndim " + sides + " " + sides + " " + sides + "\ntranslate " +
                        three(corner.x, corner.y, corner.z, " ") + "\nscale " +
                        exact_text(g.spacing.x * static_cast<double>(side)) + "\ndata\n");

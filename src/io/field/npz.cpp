@@ -249,7 +249,7 @@ FieldFile read_npz(const FileView& file, const FieldRequest& request) {
 void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptions& options) {
   const Grid& grid = field.grid();
   ArrayWriter arrays(file);
-  arrays.vector("origin", grid.origin);
+  arrays.vector("origin", grid.corner());
   arrays.vector("spacing", grid.spacing);
   const double thickness = field.thickness();
   arrays.small("thickness", {"<f8", {}, false}, std::as_bytes(std::span(&thickness, 1)));

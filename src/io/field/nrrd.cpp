@@ -254,6 +254,7 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
   const auto vector = [&](double x, double y, double z) {
     return std::string("(") + text(x) + "," + text(y) + "," + text(z) + ")";
   };
+  const Vec3 corner = grid.corner();
   const std::string& sign = field.provenance().sign;
   const std::string header =
       "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by standoff\n"
@@ -261,8 +262,7 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
       std::to_string(grid.size.x) + " " + std::to_string(grid.size.y) + " " + std::to_string(grid.size.z) +
       "\nspace directions: " + vector(grid.spacing.x, 0, 0) + " " + vector(0, grid.spacing.y, 0) + " " +
       vector(0, 0, grid.spacing.z) + "\ncenters: node node node\nkinds: domain domain domain\nendian: little\n" +
-      "encoding: " + (options.compress ? "gzip" : "raw") +
-      "\nspace origin: " + vector(grid.origin.x, grid.origin.y, grid.origin.z) +
+      "encoding: " + (options.compress ? "gzip" : "raw") + "\nspace origin: " + vector(corner.x, corner.y, corner.z) +
       "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + escaped(field.provenance().method) +
       "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) + "\nversion:=" + escaped(field.provenance().version) +
       (sign.empty() ? "" : "\nsign:=" + escaped(sign)) + "\n\n";

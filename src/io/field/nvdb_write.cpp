@@ -218,7 +218,7 @@ class NvdbWriter {
 
   void write_grid() {
     namespace g = nvdb::grid;
-    const Vec3 h = field_.grid().spacing, o = field_.grid().origin;
+    const Vec3 h = field_.grid().spacing, o = field_.grid().corner();
     NvdbRecord grid(g::kBytes), tree(nvdb::tree::kBytes);
     grid.put(0, nvdb::kMagic);
     grid.put(g::kChecksum, ~std::uint64_t{0});  // none

@@ -118,7 +118,7 @@ class VdbWriter {
     facts.text(kHashFact, hash_text(field_.provenance().mesh_hash));
     facts.text(kVersionFact, field_.provenance().version);
     facts.text(kSignFact, field_.provenance().sign);
-    return facts.grid_front(grid.origin, grid.spacing);
+    return facts.grid_front(grid.corner(), grid.spacing);
   }
 
   // Values that are not active are one of two: what a leaf or a tile has inside, and the background.

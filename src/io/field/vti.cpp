@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/grid_axis.h"
 #include "core/number_text.h"
 #include "files/deflate.h"
 #include "files/file_view.h"
@@ -204,9 +205,14 @@ class VtiReader {
     const auto origin = numbers<3, double>(tag, "Origin");
     const auto spacing = numbers<3, double>(tag, "Spacing");
     grid.spacing = {spacing[0], spacing[1], spacing[2]};
-    // VTK's origin is where index 0 lies, whether or not the extent begins there.
-    grid.origin = Vec3{origin[0], origin[1], origin[2]} +
-                  grid.spacing * Vec3{double(extent_[0]), double(extent_[2]), double(extent_[4])};
+    // VTK's origin is where index 0 lies, whether or not the extent begins there. An extent that begins at a sample of
+    // the grid is a window of it.
+    grid.origin = {origin[0], origin[1], origin[2]};
+    const Size3 first{extent_[0], extent_[2], extent_[4]};
+    if (first.x >= 0 && first.y >= 0 && first.z >= 0)
+      grid.first = first;
+    else
+      grid.origin = grid.origin + grid.spacing * Vec3{double(first.x), double(first.y), double(first.z)};
     if (!tag.find("Direction")) return;
     const auto direction = numbers<9, double>(tag, "Direction");
     if (direction != std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1})
@@ -433,8 +439,11 @@ class VtiWriter {
 
   std::string header() const {
     const Grid& g = field_.grid();
-    const auto last = [](std::int64_t side) { return std::to_string(side - 1); };
-    const std::string extent = "0 " + last(g.size.x) + " 0 " + last(g.size.y) + " 0 " + last(g.size.z);
+    // A window keeps its place in the whole grid: VTK's origin is that of the whole.
+    const auto along = [](const GridAxis& axis) {
+      return std::to_string(axis.first) + " " + std::to_string(axis.first + axis.size - 1);
+    };
+    const std::string extent = along(axis_of(g, 0)) + " " + along(axis_of(g, 1)) + " " + along(axis_of(g, 2));
     std::string text =
         "<?xml version=\"1.0\"?>\n"
         "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"";

@@ -278,11 +278,6 @@ class WindowReader {
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
 
-// The grid of a window. Where a grid knows its first sample of a larger one, this is where to say it.
-Grid grid_of(const Grid& whole, const Size3& first, const Size3& size) {
-  return {size, whole.position(first.x, first.y, first.z), whole.spacing};
-}
-
 void check_inside(const StoreMetadata& store, const Size3& first, const Size3& size) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t all = store.grid.size[axis];
@@ -299,7 +294,7 @@ void check_inside(const StoreMetadata& store, const Size3& first, const Size3& s
 DistanceField read_window(const StoreMetadata& store, const Size3& first, const Size3& size, std::int64_t memory_limit,
                           ProgressMeter& meter) {
   check_inside(store, first, size);
-  const Grid grid = grid_of(store.grid, first, size);
+  const Grid grid = store.grid.window(first, size);
   if (const auto limit = static_cast<double>(memory_limit); memory_limit > 0) {
     const double least_bytes = field_bytes(0, static_cast<double>(tile_count(size)), store.nearest.has_value());
     if (least_bytes > limit)

@@ -198,7 +198,7 @@ void check_window(const StoreMetadata& store, const Size3& first, const Distance
              " samples, that another writer may write too; give whole shards");
   }
   if (part.spacing != whole.spacing) refuse("the window's spacing is not that of the store; give a part of its field");
-  const Vec3 off = part.origin - whole.position(first.x, first.y, first.z);
+  const Vec3 off = part.corner() - whole.position(first.x, first.y, first.z);
   constexpr double kSlack = 1e-3;  // of a spacing: where samples are is rounded, and a wrong place is one off or more
   if (std::abs(off.x) > kSlack * whole.spacing.x || std::abs(off.y) > kSlack * whole.spacing.y ||
       std::abs(off.z) > kSlack * whole.spacing.z)
@@ -238,7 +238,9 @@ StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, d
                           const Provenance& provenance, const ZarrLayout& layout) {
   ArrayLayout array{.shape = grid.size, .shard = layout.shard, .chunk = layout.chunk, .blosc = layout.compress};
   array.fill = std::bit_cast<std::uint32_t>(static_cast<float>(thickness));
-  StoreMetadata store{path, grid, thickness, provenance, {array, path / kDistanceName}, {}};
+  // A window of a grid becomes a grid of its own.
+  const Grid own{grid.size, grid.corner(), grid.spacing};
+  StoreMetadata store{path, own, thickness, provenance, {array, path / kDistanceName}, {}};
   array.whole_numbers = true;
   array.fill = kNoTriangle;
   if (layout.nearest) store.nearest = StoredLayout{array, path / kNearestName};

@@ -11,18 +11,18 @@ namespace {
 
 // The grid's tiles along one axis, and the extent of the box there.
 struct TileSpan {
-  double origin, spacing;
-  std::int64_t tiles;  // of the grid
-  double low, high;    // of the box
+  GridAxis axis;     // with all samples of its tiles
+  double low, high;  // of the box
 
-  LatticeAxis axis(const LatticeAxis::Margin& margin) const { return {origin, spacing, kTileSide * tiles, margin}; }
+  double samples_to(double value) const { return (value - axis.at(0)) / axis.spacing; }
+  LatticeAxis with(const LatticeAxis::Margin& margin) const { return {axis, margin}; }
 };
 
 // An estimate of the tiles that evenly spaced samples need along the axis: a double, because they may be too many to
 // count.
 double tiles_needed(const TileSpan& span) {
-  const double first = std::max(0.0, (span.origin - span.low) / span.spacing),
-               past = std::max(static_cast<double>(kTileSide * span.tiles), (span.high - span.origin) / span.spacing);
+  const double first = std::max(0.0, -span.samples_to(span.low)),
+               past = std::max(static_cast<double>(span.axis.size), span.samples_to(span.high));
   return (first + past) / kTileSide + 2;
 }
 
@@ -31,15 +31,15 @@ LatticeAxis::Margin most_of(const TileSpan& span) {
   const auto whole = [](double samples) {
     return kTileSide * std::max<std::int64_t>(0, static_cast<std::int64_t>(samples / kTileSide) - 1);
   };
-  return {whole((span.origin - span.low) / span.spacing),
-          whole((span.high - span.origin) / span.spacing - static_cast<double>(kTileSide * span.tiles)), false};
+  return {whole(-span.samples_to(span.low)), whole(span.samples_to(span.high) - static_cast<double>(span.axis.size)),
+          false};
 }
 
 // Adds tiles on each side, at most `most`, until the outermost samples are outside the box. Returns whether they are.
 bool reach_beyond(const TileSpan& span, std::int64_t most, LatticeAxis::Margin& margin) {
-  const auto before = [&] { return span.axis(margin).at(0) < span.low; };
+  const auto before = [&] { return span.with(margin).at(0) < span.low; };
   const auto after = [&] {
-    const LatticeAxis axis = span.axis(margin);
+    const LatticeAxis axis = span.with(margin);
     return axis.at(axis.size() - 1) > span.high;
   };
   for (std::int64_t n = 0; n < most && !before(); ++n) margin.before += kTileSide;
@@ -58,7 +58,7 @@ LatticeAxis::Margin margin_around(const TileSpan& span, bool even) {
 }
 
 TileLattice made_of(const std::array<TileSpan, 3>& spans, const std::array<LatticeAxis::Margin, 3>& margins) {
-  const auto axis = [&](std::size_t n) { return spans[n].axis(margins[n]); };
+  const auto axis = [&](std::size_t n) { return spans[n].with(margins[n]); };
   TileLattice lattice{{axis(0), axis(1), axis(2)}, {}, {}};
   const auto tiles = [&](std::size_t n) { return lattice.axes[n].size() / kTileSide; };
   lattice.tiles = {tiles(0), tiles(1), tiles(2)};
@@ -67,22 +67,21 @@ TileLattice made_of(const std::array<TileSpan, 3>& spans, const std::array<Latti
 }
 
 std::array<TileSpan, 3> spans_of(const Grid& grid, const Box& box) {
-  const Vec3 &o = grid.origin, &h = grid.spacing;
-  return {TileSpan{o.x, h.x, tiles_along(grid.size.x), box.min.x, box.max.x},
-          TileSpan{o.y, h.y, tiles_along(grid.size.y), box.min.y, box.max.y},
-          TileSpan{o.z, h.z, tiles_along(grid.size.z), box.min.z, box.max.z}};
+  std::array<GridAxis, 3> axes = axes_of(grid);
+  for (GridAxis& axis : axes) axis.size = kTileSide * tiles_along(axis.size);
+  return {TileSpan{axes[0], box.min.x, box.max.x}, TileSpan{axes[1], box.min.y, box.max.y},
+          TileSpan{axes[2], box.min.z, box.max.z}};
 }
 
 }  // namespace
 
-LatticeAxis::LatticeAxis(double origin, double spacing, std::int64_t grid_size, const Margin& margin)
-    : origin_(origin),
-      spacing_(spacing),
-      per_spacing_(1 / spacing),
+LatticeAxis::LatticeAxis(const GridAxis& axis, const Margin& margin)
+    : axis_(axis),
+      per_spacing_(1 / axis.spacing),
       before_(margin.before),
-      size_(margin.before + grid_size + margin.after),
+      size_(margin.before + axis.size + margin.after),
       first_even_(margin.doubling ? margin.before : 0),
-      last_even_(margin.doubling ? margin.before + grid_size - 1 : size_ - 1) {}
+      last_even_(margin.doubling ? margin.before + axis.size - 1 : size_ - 1) {}
 
 double LatticeAxis::doublings(std::int64_t samples) { return std::ldexp(1.0, static_cast<int>(samples)) - 1; }
 

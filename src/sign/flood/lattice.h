@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/grid_axis.h"
 #include "sign/rows/ray_crossing.h"
 #include "sign/rows/sample_axis.h"
 #include "standoff/field.h"
@@ -24,12 +25,12 @@ class LatticeAxis {
     std::int64_t before = 0, after = 0;
     bool doubling = false;
   };
-  LatticeAxis(double origin, double spacing, std::int64_t grid_size, const Margin& margin);
+  LatticeAxis(const GridAxis& axis, const Margin& margin);
 
   std::int64_t size() const { return size_; }
   double at(std::int64_t n) const {
-    if (n < first_even_) return even(first_even_) - spacing_ * doublings(first_even_ - n);
-    if (n > last_even_) return even(last_even_) + spacing_ * doublings(n - last_even_);
+    if (n < first_even_) return even(first_even_) - axis_.spacing * doublings(first_even_ - n);
+    if (n > last_even_) return even(last_even_) + axis_.spacing * doublings(n - last_even_);
     return even(n);
   }
   /// The first sample for which is_true, which stays true: near `value`, or size().
@@ -43,13 +44,15 @@ class LatticeAxis {
   }
 
  private:
-  double even(std::int64_t n) const { return origin_ + spacing_ * static_cast<double>(n - before_); }
+  double even(std::int64_t n) const { return axis_.at(n - before_); }
   static double doublings(std::int64_t samples);  // 1 + 2 + 4 + ..
   std::int64_t guess(double value) const {
-    return sample_at_or_above((value - origin_) * per_spacing_ + static_cast<double>(before_), size_);
+    return sample_at_or_above((value - axis_.origin) * per_spacing_ + static_cast<double>(before_ - axis_.first),
+                              size_);
   }
 
-  double origin_, spacing_, per_spacing_;
+  GridAxis axis_;  // of the grid, without margins
+  double per_spacing_;
   std::int64_t before_, size_;
   std::int64_t first_even_, last_even_;  // spacings double beyond them
 };

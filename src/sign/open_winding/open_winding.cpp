@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/grid_axis.h"
 #include "core/progress.h"
 #include "core/tile_count.h"
 #include "sign/open_winding/tile_signs.h"
@@ -24,11 +25,13 @@ struct TileRange {
 };
 
 // The tiles that may have samples between low and high, widened by more than rounding. Tile t has samples 8t to 8t + 7.
-TileRange tiles_between(double low, double high, double origin, double spacing, std::int64_t samples) {
-  const double margin = 0.01 + 1e-15 * (std::abs(low) + std::abs(high) + std::abs(origin)) / spacing;
-  const double tiles = static_cast<double>(tiles_along(samples));
-  const double first = std::ceil(((low - origin) / spacing - margin - (kTileSide - 1)) / kTileSide),
-               last = std::floor(((high - origin) / spacing + margin) / kTileSide);
+TileRange tiles_between(double low, double high, const GridAxis& axis) {
+  const double begin = axis.at(0), spacing = axis.spacing;
+  const double margin =
+      0.01 + 1e-15 * (std::abs(low) + std::abs(high) + std::abs(begin) + std::abs(axis.origin)) / spacing;
+  const double tiles = static_cast<double>(tiles_along(axis.size));
+  const double first = std::ceil(((low - begin) / spacing - margin - (kTileSide - 1)) / kTileSide),
+               last = std::floor(((high - begin) / spacing + margin) / kTileSide);
   return {static_cast<std::int64_t>(std::clamp(first, 0.0, tiles)),
           static_cast<std::int64_t>(std::clamp(last + 1, 0.0, tiles))};
 }
@@ -37,9 +40,9 @@ TileRange tiles_between(double low, double high, double origin, double spacing, 
 template <class Use>
 void for_each_tile(const std::array<Vec3, 3>& t, const Grid& grid, const Use& use) {
   const Vec3 low = min(t[0], min(t[1], t[2])), high = max(t[0], max(t[1], t[2]));
-  const TileRange x = tiles_between(low.x, high.x, grid.origin.x, grid.spacing.x, grid.size.x),
-                  y = tiles_between(low.y, high.y, grid.origin.y, grid.spacing.y, grid.size.y),
-                  z = tiles_between(low.z, high.z, grid.origin.z, grid.spacing.z, grid.size.z);
+  const TileRange x = tiles_between(low.x, high.x, axis_of(grid, 0)),
+                  y = tiles_between(low.y, high.y, axis_of(grid, 1)),
+                  z = tiles_between(low.z, high.z, axis_of(grid, 2));
   for (std::int64_t tz = z.begin; tz < z.end; ++tz)
     for (std::int64_t ty = y.begin; ty < y.end; ++ty)
       for (std::int64_t tx = x.begin; tx < x.end; ++tx) use(tx, ty, tz);
@@ -194,20 +197,18 @@ class RowOfTiles {
 
 }  // namespace
 
-OpenWinding::OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, const Grid& grid, WindingRule rule,
+OpenWinding::OpenWinding(const OrientedMesh& mesh, std::shared_ptr<const Caps> caps, const Grid& grid, WindingRule rule,
                          ProgressMeter& progress)
     : grid_(grid),
       rule_(rule),
       progress_(progress),
-      rims_(boundary, progress),
-      tree_(rims_, progress),
-      quick_(rims_, tree_, progress),
-      open_tiles_(mesh, rims_, grid, progress),
+      caps_(std::move(caps)),
+      open_tiles_(mesh, caps_->rims, grid, progress),
       mesh_crossings_(mesh, grid, progress),
-      cap_crossings_({caps_of(rims_)}, grid, progress) {}
+      cap_crossings_({caps_->mesh}, grid, progress) {}
 
 void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
-  const OpenMesh mesh{grid_, rule_, rims_, tree_, quick_};
+  const OpenMesh mesh{grid_, rule_, caps_->rims, caps_->tree, caps_->quick};
   const RowWindings windings(mesh_crossings_.of_tiles(ty, tz), cap_crossings_.of_tiles(ty, tz));
   const std::int64_t doubtful = RowOfTiles(mesh, open_tiles_, windings, ty, tz, rows, progress_).decide();
   doubtful_.fetch_add(doubtful, std::memory_order_relaxed);
@@ -226,10 +227,10 @@ double OpenWinding::winding_number(std::int64_t i, std::int64_t j, std::int64_t 
   double winding = 0;
   windings.for_each(static_cast<int>(j % kTileSide + kTileSide * (k % kTileSide)), i, i + 1,
                     [&](std::int64_t, std::int64_t, std::int32_t n) { winding = n; });
-  NodeStack stack(tree_, check);
+  NodeStack stack(caps_->tree, check);
   const Vec3 p = grid_.position(i, j, k);
   for (double tolerance = kFieldTolerance / 16;; tolerance = tolerance > error / 1024 ? tolerance / 16 : 0) {
-    const Interval sum = cap_sum_at(rims_, tree_, p, error > 0 ? tolerance : 0, stack);
+    const Interval sum = cap_sum_at(caps_->rims, caps_->tree, p, error > 0 ? tolerance : 0, stack);
     if (error == 0 || tolerance == 0 || sum.error <= error) return winding + sum.value;
   }
 }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/progress.h"
@@ -35,14 +36,29 @@ class OpenTiles {
   std::vector<std::uint8_t> marks_;  // by tile; empty if no cap is large
 };
 
+/// The caps of a boundary, prepared once for all grids.
+struct Caps {
+  /// Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+  Caps(const Boundary& boundary, ProgressMeter& progress)
+      : rims(boundary, progress), tree(rims, progress), quick(rims, tree, progress), mesh(caps_of(rims)) {}
+  Caps(const Caps&) = delete;
+  Caps& operator=(const Caps&) = delete;
+
+  Rims rims;
+  RimTree tree;
+  QuickAngles quick;
+  Mesh mesh;
+};
+
 /// Inside is where the generalised winding number w is above 1/2 (WindingRule::positive), above 1/2 in magnitude
 /// (nonzero), or nearest to an odd number (odd). An interval that certainly contains w decides each sample, or w
 /// itself: within 1e-9 of a threshold, or on the boundary, a rounded w decides.
 class OpenWinding final : public SampleSigns {
  public:
-  /// Requires the boundary of the mesh; if it is empty, the mesh is closed. Mesh and progress must stay where they are.
-  /// Runs on the threads of the calling TBB arena. Throws Error{interrupted}, and so does fill().
-  OpenWinding(const OrientedMesh& mesh, const Boundary& boundary, const Grid& grid, WindingRule rule,
+  /// Requires the caps of the mesh's boundary, and at least those triangles that rows of the grid may cross. Mesh and
+  /// progress must stay where they are. Runs on the threads of the calling TBB arena. Throws Error{interrupted}, and so
+  /// does fill().
+  OpenWinding(const OrientedMesh& mesh, std::shared_ptr<const Caps> caps, const Grid& grid, WindingRule rule,
               ProgressMeter& progress);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
@@ -61,9 +77,7 @@ class OpenWinding final : public SampleSigns {
   Grid grid_;
   WindingRule rule_;
   ProgressMeter& progress_;
-  Rims rims_;
-  RimTree tree_;
-  QuickAngles quick_;
+  std::shared_ptr<const Caps> caps_;
   OpenTiles open_tiles_;
   RowCrossings mesh_crossings_, cap_crossings_;
   mutable std::atomic<std::int64_t> doubtful_{0};

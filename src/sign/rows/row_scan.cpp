@@ -153,17 +153,17 @@ struct RowScan::Batch {
 RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd)
     : mesh_(mesh),
       grid_(grid),
-      x_{grid.origin.x, grid.spacing.x, grid.size.x},
-      y_{grid.origin.y, grid.spacing.y, grid.size.y},
-      z_{grid.origin.z, grid.spacing.z, grid.size.z},
+      x_(axis_of(grid, 0)),
+      y_(axis_of(grid, 1)),
+      z_(axis_of(grid, 2)),
       kernels_(&cpu::sign_kernels_for(simd)) {
   // Three operations turn a corner into samples, and each adds an error of 2^-53 times at most size + kMost. Two
   // roundings move a sample off its place, by 2^-53 times at most size and size + |origin| / spacing.
-  const auto slack = [](double origin, double spacing, std::int64_t size) {
-    return 0x1p-50 * (static_cast<double>(size) + RowPatch::kMost + std::abs(origin) / spacing);
+  const auto slack = [](const GridAxis& axis) {
+    return 0x1p-50 *
+           (static_cast<double>(axis.first + axis.size) + RowPatch::kMost + std::abs(axis.origin) / axis.spacing);
   };
-  slack_ = largest(slack(grid.origin.x, grid.spacing.x, grid.size.x), slack(grid.origin.y, grid.spacing.y, grid.size.y),
-                   slack(grid.origin.z, grid.spacing.z, grid.size.z));
+  slack_ = largest(slack(axis_of(grid, 0)), slack(axis_of(grid, 1)), slack(axis_of(grid, 2)));
   const double per = largest(1 / grid.spacing.x, 1 / grid.spacing.y, 1 / grid.spacing.z);
   filters_ = slack_ < kNearRow / 2 && per < std::numeric_limits<double>::infinity();
 }
@@ -184,21 +184,24 @@ template <bool kPacked>
 bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) const {
   const RowWindow& window = batch.window;
   const Pair origin{grid_.origin.y, grid_.origin.z}, spacing{grid_.spacing.y, grid_.spacing.z},
+      first_row{double(grid_.first.y), double(grid_.first.z)},
       per = 1 / spacing, before{1 - kNearRow, 1 - kNearRow}, after{1 + kNearRow, 1 + kNearRow},
       window_begin{double(window.begin[0]), double(window.begin[1])},
       window_end{double(window.end[0]), double(window.end[1])}, none{0, 0};
   const double size_x = static_cast<double>(x_.size());
+  const auto rows_to = [&](Pair value) { return (value - origin) * per - first_row; };
+  const auto coordinate = [&](Pair row) { return origin + spacing * (first_row + row); };
   for (std::size_t t = first; t < end; ++t) {
     const Pair a = corner_yz<kPacked>(mesh_.mesh, t, 0), b = corner_yz<kPacked>(mesh_.mesh, t, 1),
                c = corner_yz<kPacked>(mesh_.mesh, t, 2);
     const Pair low = least(least(a, b), c), high = largest(largest(a, b), c);
     // Take the first rows after low - kNearRow and after high + kNearRow: at most one too many at each end.
-    Pair begin = rounded_down(largest((low - origin) * per + before, window_begin)),
-         past = rounded_down(largest(least((high - origin) * per + after, window_end), none));
+    Pair begin = rounded_down(largest(rows_to(low) + before, window_begin)),
+         past = rounded_down(largest(least(rows_to(high) + after, window_end), none));
     if (!both(begin < past)) continue;
     // Make the range half open: a row at the largest y or z passes beside the triangle.
-    begin += one_where(origin + spacing * begin < low);
-    past -= one_where(origin + spacing * (past - 1) >= high);
+    begin += one_where(coordinate(begin) < low);
+    past -= one_where(coordinate(past - 1) >= high);
     if (!both(begin < past) || mesh_.use_of(t) == 0) continue;
 
     const Vec3 x = corners_x<kPacked>(mesh_.mesh, t);
@@ -210,7 +213,7 @@ bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) co
     RowPatch& patch = batch.patches[static_cast<std::size_t>(batch.count)];
     const double base = rounded_down(std::max(low_x, -0x1p40));
     const double x0 = xs[0] - base, x1 = xs[1] - base, x2 = xs[2] - base;
-    const Pair at0 = (a - origin) * per - begin, at1 = (b - origin) * per - begin, at2 = (c - origin) * per - begin;
+    const Pair at0 = rows_to(a) - begin, at1 = rows_to(b) - begin, at2 = rows_to(c) - begin;
     const double most_x = std::max(largest(x0, x1, x2), 1.0);  // none is negative
     const Pair extent = past - begin,
                most = largest(largest(largest(at0, -at0), largest(at1, -at1)),

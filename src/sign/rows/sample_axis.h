@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/grid_axis.h"
+
 namespace standoff {
 
 /// The first of `size` samples at or above `place`, which counts samples from the first one; or `size`. Rounds up
@@ -42,17 +44,17 @@ std::int64_t first_from_guess(std::int64_t guess, std::int64_t size, const Predi
 /// The samples of one axis of a grid, as Grid::position gives them.
 class SampleAxis {
  public:
-  SampleAxis(double origin, double spacing, std::int64_t size)
-      : origin_(origin), spacing_(spacing), per_spacing_(1 / spacing), size_(size) {}
+  explicit SampleAxis(const GridAxis& axis)
+      : axis_(axis), first_(static_cast<double>(axis.first)), per_spacing_(1 / axis.spacing) {}
 
-  std::int64_t size() const { return size_; }
-  double at(std::int64_t n) const { return origin_ + spacing_ * static_cast<double>(n); }
+  std::int64_t size() const { return axis_.size; }
+  double at(std::int64_t n) const { return axis_.at(n); }
   /// The number of samples from the first one to `value`, rounded.
-  double to_samples(double value) const { return (value - origin_) * per_spacing_; }
+  double to_samples(double value) const { return (value - axis_.origin) * per_spacing_ - first_; }
   /// The first sample for which is_true, which stays true: near `value`, or the number of samples.
   template <class Predicate>
   std::int64_t first(double value, const Predicate& is_true) const {
-    return first_from_guess(sample_at_or_above(to_samples(value), size_), size_, is_true);
+    return first_from_guess(sample_at_or_above(to_samples(value), axis_.size), axis_.size, is_true);
   }
   /// The first sample at or above `value`, or the number of samples.
   std::int64_t first_from(double value) const {
@@ -60,8 +62,8 @@ class SampleAxis {
   }
 
  private:
-  double origin_, spacing_, per_spacing_;
-  std::int64_t size_;
+  GridAxis axis_;
+  double first_, per_spacing_;
 };
 
 }  // namespace standoff

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "field/mesh_parts.h"
+
+#include <algorithm>
+
+#include "bvh/order.h"
+
+namespace standoff {
+
+MeshParts::MeshParts(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress)
+    : bvh_(mesh, morton_order(mesh, among, progress), frame_around(mesh), progress) {}
+
+std::int64_t MeshParts::bytes(std::int64_t triangles) {
+  constexpr std::int64_t kInPart = sizeof(std::uint32_t) + sizeof(Triangle) + sizeof(std::int8_t);
+  return Bvh::bytes_of(triangles) + kInPart * triangles;
+}
+
+// Boxes of the hierarchy lie within its extent; what is far beyond need not fit into float.
+FloatBox MeshParts::local(const Box& box) const {
+  const BvhFrame& frame = bvh_.frame();
+  const double far = 4.0 * frame.extent;
+  const Vec3 low = frame.local(box.min), high = frame.local(box.max);
+  FloatBox made;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    made.low[axis] = static_cast<float>(std::clamp(low[axis], -far, far));
+    made.high[axis] = static_cast<float>(std::clamp(high[axis], -far, far));
+  }
+  return made;
+}
+
+std::vector<std::uint32_t> MeshParts::touching(const Box& box) const {
+  std::vector<std::uint32_t> found;
+  for_each_overlap(bvh_, local(box), [&](std::uint32_t place) { found.push_back(bvh_.order()[place]); });
+  std::ranges::sort(found);
+  return found;
+}
+
+bool MeshParts::touch(const Box& box) const {
+  bool any = false;
+  const auto meets = [&any](const Boxes16& boxes, const FloatBox& one) { return any ? 0u : overlapping(boxes, one); };
+  for_each_overlap(bvh_, local(box), meets, [&](std::uint32_t) { any = true; });
+  return any;
+}
+
+MeshPart::MeshPart(const OrientedMesh& mesh, std::span<const std::uint32_t> among) : vertices_(mesh.mesh.vertices) {
+  triangles_.reserve(among.size());
+  for (const std::uint32_t triangle : among) triangles_.push_back(mesh.mesh.triangles[triangle]);
+  if (mesh.use.empty()) return;
+  use_.reserve(among.size());
+  for (const std::uint32_t triangle : among) use_.push_back(mesh.use[triangle]);
+}
+
+}  // namespace standoff

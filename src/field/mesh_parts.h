@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The triangles of parts of space, found in logarithmic time: windows of a grid look at no others.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bvh/bvh.h"
+#include "sign/oriented_mesh.h"
+#include "standoff/mesh.h"
+
+namespace standoff {
+
+class MeshParts {
+ public:
+  /// `among`: ascending indices into mesh.triangles; empty: all of them. The mesh must stay where it is. Runs on the
+  /// threads of the calling TBB arena. Throws Error{interrupted}.
+  MeshParts(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress);
+  /// The memory of parts of a mesh of so many triangles, with all of them in one part.
+  static std::int64_t bytes(std::int64_t triangles);
+
+  /// The triangles whose boxes touch this one, ascending; a few more may be among them. The box may be infinite.
+  std::vector<std::uint32_t> touching(const Box& box) const;
+  /// Whether there are any.
+  bool touch(const Box& box) const;
+
+ private:
+  FloatBox local(const Box& box) const;
+
+  Bvh bvh_;
+};
+
+/// Some triangles of an oriented mesh as a mesh of their own, which shares its vertices.
+class MeshPart {
+ public:
+  /// `among` may be empty: a part of nothing.
+  MeshPart(const OrientedMesh& mesh, std::span<const std::uint32_t> among);
+
+  OrientedMesh oriented() const { return {{vertices_, triangles_}, use_}; }
+
+ private:
+  VertexArray vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::int8_t> use_;
+};
+
+}  // namespace standoff

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// labels: memory threads
+// A window of a field is that part of the whole: every sample, nearest triangle and sidecar, bit for bit.
+#include "standoff/windows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <string>
+#include <vector>
+
+#include "scenes/scenes.h"
+#include "standoff/io.h"
+#include "standoff/sidecars.h"
+#include "standoff/surface.h"
+#include "tests/collision/bodies.h"
+#include "tests/support/expect_error.h"
+#include "tests/support/random_mesh.h"
+#include "tests/support/temp_folder.h"
+
+namespace standoff::testing {
+namespace {
+
+// Far from the origin, so that any other way to compute a position has other bits.
+const Vec3 kFar{1000.1, -20000.3, 0.7};
+const Grid kWindowsGrid{{53, 61, 77}, kFar - Vec3{1.25, 1.3, 1.35}, {0.049, 0.044, 0.0351}};
+
+Mesh moved(Mesh mesh) {
+  for (Vec3& v : mesh.vertices) v = v + kFar;
+  return mesh;
+}
+Mesh open_ball() {
+  Mesh mesh = ball_mesh(1, 6);
+  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
+  return mesh;
+}
+std::vector<Mesh> meshes() {
+  return {moved(ball_mesh(1, 6)), moved(open_ball()), moved(random_soup(3, 200, 1, 0.3)), moved(nasty_soup(3, 60, 1))};
+}
+
+struct Part {
+  Size3 first, size;
+};
+// Of whole bricks, across the grid's end, and of any samples.
+const std::vector<Part> kParts{{{0, 0, 0}, {16, 16, 16}},   {{16, 32, 48}, {32, 29, 29}}, {{48, 0, 64}, {5, 16, 13}},
+                               {{7, 11, 13}, {20, 19, 30}}, {{52, 60, 76}, {1, 1, 1}},    {{0, 0, 0}, {53, 61, 77}},
+                               {{0, 17, 30}, {53, 1, 2}}};
+
+std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
+
+void expect_part(const DistanceField& whole, const DistanceField& window, const Part& part) {
+  ASSERT_EQ(window.grid(), whole.grid().window(part.first, part.size));
+  EXPECT_EQ(window.thickness(), whole.thickness());
+  EXPECT_EQ(window.provenance().sign, whole.provenance().sign);
+  EXPECT_EQ(window.provenance().mesh_hash, whole.provenance().mesh_hash);
+  ASSERT_EQ(window.has_nearest(), whole.has_nearest());
+  std::int64_t wrong = 0;
+  const auto& [f, n] = part;
+  for (std::int64_t k = 0; k < n.z; ++k)
+    for (std::int64_t j = 0; j < n.y; ++j)
+      for (std::int64_t i = 0; i < n.x; ++i) {
+        wrong += bits_of(window.value(i, j, k)) != bits_of(whole.value(f.x + i, f.y + j, f.z + k));
+        if (whole.has_nearest()) wrong += window.nearest(i, j, k) != whole.nearest(f.x + i, f.y + j, f.z + k);
+      }
+  EXPECT_EQ(wrong, 0) << "from " << f.x << ", " << f.y << ", " << f.z;
+}
+
+void expect_parts(const Mesh& mesh, double thickness, const ComputeOptions& options) {
+  const DistanceField whole = compute(mesh, kWindowsGrid, thickness, options).field;
+  WindowComputation windows(mesh, kWindowsGrid, thickness, kWindowsGrid.size, options);
+  WindowComputation small(mesh, kWindowsGrid, thickness, {53, 29, 30}, options);
+  DistanceField field;
+  for (const Part& part : kParts) {
+    windows.compute(part.first, part.size, field);
+    expect_part(whole, field, part);
+    if (part.size.y > 29 || part.size.z > 30) continue;
+    small.compute(part.first, part.size, field);
+    expect_part(whole, field, part);
+    if (small.is_reached(part.first, part.size)) continue;
+    for (const DistanceField::Tile& tile : field.tiles())
+      for (const float value : tile.values) EXPECT_EQ(std::abs(value), static_cast<float>(thickness));
+  }
+}
+
+ComputeOptions by(SignMethod method) {
+  ComputeOptions options{.sign = {SignMethod::none}};
+  options.sign.method = method;
+  if (method == SignMethod::shell) options.sign.shell = 0.2;
+  options.execution = {.threads = 2, .backend = Backend::cpu};
+  return options;
+}
+
+TEST(Windows, ThinThickAndFull) {
+  for (const Mesh& mesh : meshes())
+    for (const double thickness : {0.05, 0.15, 0.7, kFullField})
+      for (const bool nearest : {false, true}) {
+        SCOPED_TRACE(thickness);
+        ComputeOptions options = by(SignMethod::none);
+        options.nearest = nearest;
+        expect_parts(mesh, thickness, options);
+      }
+}
+
+TEST(Windows, EverySign) {
+  const std::vector<Mesh> all = meshes();
+  for (const SignMethodInfo& sign : kSignMethods)
+    for (std::size_t n = 0; n < all.size(); ++n)
+      for (const bool invert : {false, true}) {
+        if (sign.method == SignMethod::parity && n != 0) continue;  // closed meshes alone
+        if (sign.method == SignMethod::none && invert) continue;
+        SCOPED_TRACE(std::string(sign.name) + ", mesh " + std::to_string(n));
+        ComputeOptions options = by(sign.method);
+        options.sign.invert = invert;
+        options.nearest = n == 1;
+        expect_parts(all[n], n == 2 ? kFullField : 0.11, options);
+      }
+}
+
+TEST(Windows, EveryMethod) {
+  for (const MethodInfo& method : kComputeMethods) {
+    SCOPED_TRACE(method.name);
+    ComputeOptions options = by(SignMethod::winding);
+    options.method = method.method;
+    expect_parts(moved(ball_mesh(1, 6)), 0.15, options);
+  }
+}
+
+TEST(Windows, SkipRulesAndTheUnionOfParts) {
+  Mesh two = moved(ball_mesh(0.6, 5));
+  const Mesh other = moved(ball_mesh(0.6, 5, {0.3, 0.3, 0.3}));
+  for (const Triangle& t : other.triangles) {
+    const auto first = static_cast<std::uint32_t>(two.vertices.size());
+    two.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const SkipRule::Kind kind : {SkipRule::Kind::exact, SkipRule::Kind::neighbour}) {
+    ComputeOptions options = by(SignMethod::winding);
+    options.skip.kind = kind;
+    options.sign.outer = kind == SkipRule::Kind::exact;
+    expect_parts(two, 0.15, options);
+  }
+}
+
+// Sidecars follow from the positions of samples, which a window has from the whole grid.
+TEST(Windows, TheirSidecars) {
+  const Mesh mesh = moved(open_ball());
+  ComputeOptions options = by(SignMethod::winding);
+  options.nearest = true;
+  const DistanceField whole = compute(mesh, kWindowsGrid, 0.15, options).field;
+  const SidecarKind kinds[] = {SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
+                               SidecarKind::gradient};
+  const std::vector<Sidecar> of_whole = sidecars(mesh, whole, kinds);
+  WindowComputation windows(mesh, kWindowsGrid, 0.15, {32, 32, 32}, options);
+  DistanceField field;
+  const Part part{{16, 16, 32}, {32, 32, 32}};
+  windows.compute(part.first, part.size, field);
+  const std::vector<Sidecar> of_window = sidecars(mesh, field, kinds);
+  std::int64_t compared = 0, wrong = 0;
+  for (std::int64_t tz = 0; tz < 4; ++tz)
+    for (std::int64_t ty = 0; ty < 4; ++ty)
+      for (std::int64_t tx = 0; tx < 4; ++tx) {
+        const auto slot_of = [](const DistanceField& f, std::int64_t x, std::int64_t y, std::int64_t z) {
+          const Size3 tiles = f.tile_count();
+          return f.slots()[static_cast<std::size_t>(x + tiles.x * (y + tiles.y * z))];
+        };
+        const std::int64_t mine = slot_of(field, tx, ty, tz), theirs = slot_of(whole, tx + 2, ty + 2, tz + 4);
+        if (mine < 0 || theirs < 0) continue;
+        for (std::size_t kind = 0; kind < of_whole.size(); ++kind)
+          std::visit(
+              [&](const auto& all) {
+                const auto& part_of = std::get<std::remove_cvref_t<decltype(all)>>(of_window[kind].values);
+                const std::int64_t numbers = 512 * of_whole[kind].components;
+                for (std::int64_t n = 0; n < numbers; ++n) {
+                  ++compared;
+                  wrong += part_of[static_cast<std::size_t>(mine * numbers + n)] !=
+                           all[static_cast<std::size_t>(theirs * numbers + n)];
+                }
+              },
+              of_whole[kind].values);
+      }
+  EXPECT_GT(compared, 10000);
+  EXPECT_EQ(wrong, 0);
+}
+
+// .vti alone has room for the place of a window.
+TEST(Windows, TheirFiles) {
+  const TempFolder folder;
+  const Mesh mesh = moved(ball_mesh(1, 6));
+  WindowComputation windows(mesh, kWindowsGrid, 0.15, {32, 32, 32}, by(SignMethod::winding));
+  DistanceField field;
+  windows.compute({16, 16, 32}, {32, 32, 32}, field);
+  for (const std::string name : {"a.vti", "a.npz", "a.nrrd"}) {
+    write_field(folder / name, field);
+    const DistanceField read = read_field(folder / name);
+    EXPECT_EQ(read.grid().corner(), field.grid().corner()) << name;
+    EXPECT_TRUE(std::ranges::equal(read.to_dense(), field.to_dense())) << name;
+    EXPECT_EQ(read.grid() == field.grid(), name == "a.vti") << name;
+  }
+}
+
+TEST(Windows, OfNothingAreRefused) {
+  const Mesh mesh = moved(ball_mesh(1, 4));
+  WindowComputation windows(mesh, kWindowsGrid, 0.15, {32, 32, 32}, by(SignMethod::none));
+  DistanceField field;
+  windows.compute({0, 0, 0}, {16, 16, 16}, field);
+  const auto refused = [&](const Size3& first, const Size3& size, const char* why) {
+    expect_error([&] { windows.compute(first, size, field); }, ErrorCode::usage, why);
+    EXPECT_EQ(field.stored_tiles(), 0);
+  };
+  refused({0, 0, 0}, {0, 1, 1}, "no window of the grid");
+  refused({-16, 0, 0}, {16, 16, 16}, "no window of the grid");
+  refused({48, 0, 0}, {16, 16, 16}, "along x");
+  refused({0, 0, 64}, {16, 16, 14}, "which has 77 there");
+  refused({std::numeric_limits<std::int64_t>::max(), 0, 0}, {16, 16, 16}, "no window of the grid");
+  refused({0, 0, 0}, {32, 33, 32}, "announce");
+  expect_error([&] { static_cast<void>(windows.is_reached({0, 0, 70}, {16, 16, 16})); }, ErrorCode::usage, "along z");
+  expect_error([&] { WindowComputation(mesh, kWindowsGrid, 0.15, {0, 1, 1}); }, ErrorCode::usage, "has no samples");
+}
+
+// Signs of SignScope::window need no more than the window: a grid that is a window of another one is computed alone.
+TEST(Windows, AreGrids) {
+  const Mesh mesh = moved(ball_mesh(1, 6));
+  const DistanceField whole = compute(mesh, kWindowsGrid, 0.15, by(SignMethod::winding)).field;
+  const Part part{{16, 32, 48}, {32, 29, 29}};
+  const Grid grid = kWindowsGrid.window(part.first, part.size);
+  expect_part(whole, compute(mesh, grid, 0.15, by(SignMethod::winding)).field, part);
+  std::vector<float> dense(static_cast<std::size_t>(grid.sample_count()));
+  compute_into(mesh, grid, 0.15, dense, by(SignMethod::winding));
+  DistanceField same;
+  WindowComputation(mesh, kWindowsGrid, 0.15, part.size, by(SignMethod::winding)).compute(part.first, part.size, same);
+  EXPECT_TRUE(std::ranges::equal(dense, same.to_dense()));
+  const Vec3 inside = grid.position(3, 4, 5) + Vec3{0.01, 0.01, 0.01};
+  EXPECT_EQ(whole.interpolate(inside), same.interpolate(inside));
+  expect_error(
+      [&] {
+        compute(mesh, kWindowsGrid.window({8, 0, 0}, {16, 16, 16}), 0.15, by(SignMethod::none));
+      },
+      ErrorCode::usage, "no multiple of 16");
+}
+
+// A window costs the memory of a window.
+TEST(Windows, OfGridsLargerThanMemory) {
+  const Mesh mesh = moved(ball_mesh(1, 6));
+  const double h = 2.5 / 30000;
+  const Grid grid{{30000, 30000, 30000}, kFar - Vec3{1.25, 1.25, 1.25}, {h, h, h}};
+  ComputeOptions options = by(SignMethod::winding);
+  options.memory_limit = std::int64_t{200} << 20;
+  WindowComputation windows(mesh, grid, 2 * h, {128, 128, 128}, options);
+  DistanceField field;
+  windows.compute({14976, 14976, 14976}, {128, 128, 128}, field);
+  EXPECT_EQ(field.value(5, 5, 5), static_cast<float>(-2 * h));
+  EXPECT_FALSE(windows.is_reached({14976, 14976, 14976}, {128, 128, 128}));
+  EXPECT_EQ(field.stored_tiles(), 0);
+  windows.compute({64, 64, 64}, {128, 128, 128}, field);
+  EXPECT_EQ(field.value(5, 5, 5), static_cast<float>(2 * h));
+  expect_error([&] { compute(mesh, grid, 2 * h, options); }, ErrorCode::limit, "may need");
+}
+
+}  // namespace
+}  // namespace standoff::testing
