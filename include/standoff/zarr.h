@@ -65,7 +65,8 @@ class STANDOFF_API ZarrStore {
   /// a store of a layout that standoff does not write), output, interrupted: shards that were written stay.
   void write(Size3 first, const DistanceField& window, const ZarrWriteOptions& options = {}) const;
 
-  /// The field of a part: `size` samples from sample `first` on. Reads the chunks of that part alone. Tiles whose
+  /// The field of a part: `size` samples from sample `first` on; its grid is grid().window(first, size). Reads the
+  /// chunks of that part alone. Tiles whose
   /// samples are all clamped are not stored in the field. Memory: the field, and a few chunks for each thread. Errors:
   /// usage (samples outside of the grid), input (shards that are damaged: the message names the file), limit,
   /// interrupted.

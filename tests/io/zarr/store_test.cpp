@@ -30,7 +30,7 @@ ZarrLayout small(bool nearest) {
 
 // The part of a field as a field of its own, made sample by sample.
 DistanceField part_of(const DistanceField& field, const Size3& first, const Size3& size) {
-  const Grid grid{size, field.grid().position(first.x, first.y, first.z), field.grid().spacing};
+  const Grid grid = field.grid().window(first, size);
   std::vector<float> values;
   std::vector<std::uint32_t> nearest;
   for (std::int64_t k = first.z; k < first.z + size.z; ++k)
@@ -106,6 +106,21 @@ TEST(ZarrStore, WindowsInAnyOrderAreTheWhole) {
       expect_same(parts.read(), field);
       expect_same(ZarrStore::open(folder / "parts.zarr").read(), field);
     }
+}
+
+// A window may also have an origin of its own, as from a file that keeps no more; and a window of a larger grid that is
+// written as a store of its own is whole there.
+TEST(ZarrStore, WindowsAreKnownByWhereTheyAre) {
+  const TempFolder folder;
+  const DistanceField field = ball(false);
+  const ZarrStore store = store_for(folder / "a.zarr", field, kSmall);
+  const DistanceField window = part_of(field, {24, 32, 0}, {24, 11, 32});
+  const Grid moved{window.grid().size, window.grid().corner(), window.grid().spacing};
+  store.write({24, 32, 0}, DistanceField::from_dense(moved, 2, window.to_dense()));
+  expect_same(store.read({24, 32, 0}, {24, 11, 32}), window);
+  write_field(folder / "b.zarr", window);
+  EXPECT_EQ(read_field(folder / "b.zarr").grid(), moved);
+  EXPECT_TRUE(read_field(folder / "b.zarr").to_dense() == window.to_dense());
 }
 
 // As many processes do, each with a store of its own.
