@@ -36,7 +36,7 @@ class Windows {
       const Timed timed(seconds);
       windows_->compute(size_of(first), size_of(size), made);
     });
-    return nb::make_tuple(std::move(made), dict_of(windows_->report(), seconds));
+    return nb::make_tuple(std::move(made), python::dict_of(windows_->report(), seconds));
   }
 
   bool is_reached(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& size) const {

@@ -22,8 +22,11 @@ FIELDS = {
 @pytest.fixture(params=FIELDS)
 def field(request):
     # More than a shard along two axes.
-    return so.field(so.Mesh(*shapes.sphere(12)), grid=so.Grid((140, 30, 131), (-1.1, -1.1, -1.1), (0.017, 0.08, 0.017)),
-                    **FIELDS[request.param])
+    return so.field(
+        so.Mesh(*shapes.sphere(12)),
+        grid=so.Grid((140, 30, 131), (-1.1, -1.1, -1.1), (0.017, 0.08, 0.017)),
+        **FIELDS[request.param],
+    )
 
 
 def opened(path):
@@ -63,9 +66,7 @@ def test_what_we_write_is_ome_zarr(field, tmp_path):
 
 
 def attributes(thickness):
-    return {
-        "standoff": {"format": 1, "origin": ORIGIN, "spacing": SPACING, "thickness": thickness, "sign": "winding"}
-    }
+    return {"standoff": {"format": 1, "origin": ORIGIN, "spacing": SPACING, "thickness": thickness, "sign": "winding"}}
 
 
 def wanted(thickness=4.0):
@@ -75,14 +76,29 @@ def wanted(thickness=4.0):
 
 
 X_FASTEST = [codecs.TransposeCodec(order=(2, 1, 0))]
-BLOSC = {name: codecs.BloscCodec(cname=name, clevel=5, shuffle="bitshuffle") for name in ("lz4", "lz4hc", "zlib", "blosclz")}
+BLOSC = {
+    name: codecs.BloscCodec(cname=name, clevel=5, shuffle="bitshuffle") for name in ("lz4", "lz4hc", "zlib", "blosclz")
+}
 WAYS = {
-    "ours": {"shards": (64, 64, 64), "chunks": (32, 32, 32), "filters": X_FASTEST, "compressors": [codecs.BloscCodec()]},
+    "ours": {
+        "shards": (64, 64, 64),
+        "chunks": (32, 32, 32),
+        "filters": X_FASTEST,
+        "compressors": [codecs.BloscCodec()],
+    },
     "z fastest": {"shards": (64, 64, 64), "chunks": (32, 32, 32), "compressors": [codecs.BloscCodec()]},
-    "odd chunks": {"shards": (45, 22, 36), "chunks": (15, 11, 9), "compressors": [codecs.BloscCodec(shuffle="noshuffle")]},
+    "odd chunks": {
+        "shards": (45, 22, 36),
+        "chunks": (15, 11, 9),
+        "compressors": [codecs.BloscCodec(shuffle="noshuffle")],
+    },
     "no shards": {"chunks": (16, 20, 24), "filters": X_FASTEST, "compressors": [codecs.BloscCodec()]},
     "one chunk": {"chunks": (70, 41, 33), "compressors": None},
-    "other keys": {"chunks": (32, 32, 32), "compressors": None, "chunk_key_encoding": {"name": "default", "separator": "."}},
+    "other keys": {
+        "chunks": (32, 32, 32),
+        "compressors": None,
+        "chunk_key_encoding": {"name": "default", "separator": "."},
+    },
     **{name: {"chunks": (32, 32, 32), "compressors": [codec]} for name, codec in BLOSC.items()},
 }
 
@@ -91,7 +107,9 @@ WAYS = {
 def test_we_read_what_zarr_python_writes(way, tmp_path):
     values = wanted()
     group = zarr.create_group(tmp_path / "a.zarr")
-    array = group.create_array("0", shape=values.shape, dtype="float32", fill_value=4.0, attributes=attributes(4.0), **WAYS[way])
+    array = group.create_array(
+        "0", shape=values.shape, dtype="float32", fill_value=4.0, attributes=attributes(4.0), **WAYS[way]
+    )
     array[:] = values
     field = so.load(tmp_path / "a.zarr")
     np.testing.assert_array_equal(field.numpy(), values)
@@ -129,9 +147,10 @@ def test_without_our_attributes_those_of_ome_zarr_count(tmp_path):
     field = so.load(tmp_path / "a.zarr")
     np.testing.assert_array_equal(field.numpy(), values)
     assert tuple(field.grid.origin) == ORIGIN and field.thickness == np.inf
-    group.attrs.clear()
+    bare = zarr.create_group(tmp_path / "b.zarr")
+    bare.create_array("0", shape=values.shape, dtype="float32", chunks=(32, 32, 32), compressors=None)
     with pytest.raises(so.InputError, match="where its samples are is not known"):
-        so.load(tmp_path / "a.zarr")
+        so.load(tmp_path / "b.zarr")
 
 
 @pytest.mark.parametrize(
@@ -146,7 +165,9 @@ def test_without_our_attributes_those_of_ome_zarr_count(tmp_path):
 )
 def test_what_is_not_read_says_what_is(options, words, tmp_path):
     group = zarr.create_group(tmp_path / "a.zarr")
-    group.create_array("0", shape=(8, 8, 8), chunks=(8, 8, 8), attributes=attributes(4.0), **{"dtype": "float32", **options})
+    group.create_array(
+        "0", shape=(8, 8, 8), chunks=(8, 8, 8), attributes=attributes(4.0), **{"dtype": "float32", **options}
+    )
     with pytest.raises(so.InputError, match=words.replace("'", ".")):
         so.load(tmp_path / "a.zarr")
 
