@@ -156,7 +156,8 @@ void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
   };
   std::error_code ignored;
   const auto status = fs::status(path_, ignored);
-  if (fs::is_directory(status) && !is_folder_format(path_)) fail(ErrorCode::output, "it is a folder; give the name of a file");
+  if (fs::is_directory(status) && !is_folder_format(path_))
+    fail(ErrorCode::output, "it is a folder; give the name of a file");
   if (!knows(formats, extension_of(path_), true)) {
     const auto extension = extension_of(path_);
     fail(ErrorCode::usage, (extension.empty() ? "the name has no extension" : "cannot write ." + extension + " here") +

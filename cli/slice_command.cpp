@@ -84,8 +84,8 @@ void SliceCommand::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
 
-// Reads what the picture needs, sets its plane, and says which it is. Of a store, where the options name the plane, that
-// is the plane alone.
+// Reads what the picture needs, sets its plane, and says which it is. Of a store, where the options name the plane,
+// that is the plane alone.
 DistanceField SliceCommand::read(SlicePlane& plane) {
   const auto draw = [&](std::int64_t index) {
     options.axis = plane.axis;
@@ -109,9 +109,8 @@ DistanceField SliceCommand::read(SlicePlane& plane) {
   size[axis] = 1;
   draw(0);
   options.part = {plane.index, grid.size[axis]};
-  return with_spinner(console, "reading " + field, [&] {
-    return store.read(first, size, {.memory_limit = input.memory_limit()});
-  });
+  return with_spinner(console, "reading " + field,
+                      [&] { return store.read(first, size, {.memory_limit = input.memory_limit()}); });
 }
 
 void SliceCommand::run() {

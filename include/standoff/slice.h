@@ -32,8 +32,8 @@ struct SliceOptions {
   int pixels = 512;      ///< the plane's longer side is enlarged by a whole factor to at least this, 1 to 8192
   bool contours = true;  ///< lines at the legend's round numbers, except across squares
   bool bare = false;     ///< the plane alone: no words, legend, scales or margins
-  /// Of a field that is a part of a larger one: what its first sample along the axis is there, and how many samples that
-  /// one has. For the words of the picture.
+  /// Of a field that is a part of a larger one: what its first sample along the axis is there, and how many samples
+  /// that one has. For the words of the picture.
   struct Part {
     std::int64_t first = 0, count = 0;
   };

@@ -37,8 +37,8 @@ struct ZarrWriteOptions {
 class STANDOFF_API ZarrStore {
  public:
   /// Makes a store without samples: every value is the thickness. It appears whole or not at all. Existing::replace
-  /// takes the place of a store that standoff wrote and of an empty folder, never of anything else. Errors: usage (grid,
-  /// thickness, layout; a build without blosc), output.
+  /// takes the place of a store that standoff wrote and of an empty folder, never of anything else. Errors: usage
+  /// (grid, thickness, layout; a build without blosc), output.
   static ZarrStore create(const std::filesystem::path& path, const Grid& grid, double thickness,
                           const Provenance& provenance = {}, const ZarrLayout& layout = {},
                           Existing existing = Existing::keep);
@@ -65,7 +65,8 @@ class STANDOFF_API ZarrStore {
   /// a store of a layout that standoff does not write), output, interrupted: shards that were written stay.
   void write(Size3 first, const DistanceField& window, const ZarrWriteOptions& options = {}) const;
 
-  /// The field of a part: `size` samples from sample `first` on. Reads the chunks of that part alone. Tiles whose
+  /// The field of a part: `size` samples from sample `first` on; its grid is grid().window(first, size). Reads the
+  /// chunks of that part alone. Tiles whose
   /// samples are all clamped are not stored in the field. Memory: the field, and a few chunks for each thread. Errors:
   /// usage (samples outside of the grid), input (shards that are damaged: the message names the file), limit,
   /// interrupted.

@@ -147,9 +147,10 @@ def test_without_our_attributes_those_of_ome_zarr_count(tmp_path):
     field = so.load(tmp_path / "a.zarr")
     np.testing.assert_array_equal(field.numpy(), values)
     assert tuple(field.grid.origin) == ORIGIN and field.thickness == np.inf
-    group.attrs.clear()
+    bare = zarr.create_group(tmp_path / "b.zarr")
+    bare.create_array("0", shape=values.shape, dtype="float32", chunks=(32, 32, 32), compressors=None)
     with pytest.raises(so.InputError, match="where its samples are is not known"):
-        so.load(tmp_path / "a.zarr")
+        so.load(tmp_path / "b.zarr")
 
 
 @pytest.mark.parametrize(

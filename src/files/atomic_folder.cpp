@@ -71,7 +71,8 @@ void AtomicFolder::check_target() const {
   if (!S_ISDIR(there.st_mode)) refuse("it is a file; give another name, or remove it");
   std::error_code error;
   if (std::filesystem::is_empty(target_, error)) return;
-  if (!may_replace_(target_)) refuse(std::string("a folder is there that is not ") + kind_ + "; give another name, or remove it");
+  if (!may_replace_(target_))
+    refuse(std::string("a folder is there that is not ") + kind_ + "; give another name, or remove it");
 }
 
 void AtomicFolder::commit() {

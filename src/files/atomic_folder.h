@@ -19,8 +19,8 @@ class AtomicFolder {
   /// Says whether an existing folder may be replaced, which removes it with all that is in it.
   using MayReplace = bool (*)(const std::filesystem::path&) noexcept;
 
-  /// Makes the unfinished folder. Refuses files in the place of the target, missing parents, and a folder that is there:
-  /// with Existing::keep any, else those that are not empty and may not be replaced. `kind`, "a Zarr store of
+  /// Makes the unfinished folder. Refuses files in the place of the target, missing parents, and a folder that is
+  /// there: with Existing::keep any, else those that are not empty and may not be replaced. `kind`, "a Zarr store of
   /// standoff", stands in the message.
   AtomicFolder(const std::filesystem::path& target, Existing existing, MayReplace may_replace, const char* kind);
   AtomicFolder(const AtomicFolder&) = delete;

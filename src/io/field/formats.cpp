@@ -58,7 +58,8 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   meter.stage("read", 1, 0, 1);
   const FieldRequest request{memory_limit_of(options.memory_limit), sidecars};
   try {
-    FieldFile found = format.folder ? format.folder->read(path, request, meter) : read_file(path, format, request, meter);
+    FieldFile found =
+        format.folder ? format.folder->read(path, request, meter) : read_file(path, format, request, meter);
     meter.stage("done", 1, 1, 1);
     return found;
   } catch (const std::bad_alloc&) {
@@ -93,7 +94,8 @@ const FieldFormat* find_field_format(std::string_view extension) {
 std::vector<FileFormat> field_formats() try {
   std::vector<FileFormat> formats;
   for (const FieldFormat* f : kFieldFormats)
-    formats.push_back({f->extension, f->description, true, true, f->nearest, f->sidecars, f->slabs, f->sparse, f->folder != nullptr});
+    formats.push_back(
+        {f->extension, f->description, true, true, f->nearest, f->sidecars, f->slabs, f->sparse, f->folder != nullptr});
   return formats;
 } catch (...) {
   throw_as_error("formats");

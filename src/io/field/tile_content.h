@@ -18,8 +18,8 @@ namespace standoff {
 /// What the values of a tile are: clamped outside, clamped inside, others, or such as no field has.
 enum class TileContent { outside, inside, near, bad };
 
-/// Says what a tile holds of which `samples` lie in the grid; the others are `far`. It has no branches, so that it costs
-/// little beside reading: NaN is neither within the thickness nor as far as it.
+/// Says what a tile holds of which `samples` lie in the grid; the others are `far`. It has no branches, so that it
+/// costs little beside reading: NaN is neither within the thickness nor as far as it.
 inline TileContent content(const std::array<float, kTileSamples>& tile, float far, std::int64_t samples) {
   std::int64_t good = 0, outside = 0, inside = 0;
   for (const float value : tile) {
@@ -41,7 +41,7 @@ inline bool has_triangle(const std::array<std::uint32_t, kTileSamples>& tile) {
 
 /// Throws the error of the first bad value of the tile whose first sample is `first`.
 [[noreturn]] inline void fail_at_bad(const FileView& file, const std::array<float, kTileSamples>& tile, float far,
-                              Size3 first) {
+                                     Size3 first) {
   const auto bad = std::ranges::find_if(tile, [far](float value) { return !(std::abs(value) <= far); });
   const std::int64_t at = bad - tile.begin();
   const auto name = [](std::int64_t i) { return std::to_string(i); };

@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "files/file_view.h"
+#include "files/json_view.h"
 #include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/gltf_data.h"
-#include "files/json_view.h"
 #include "io/mesh/scene.h"
 
 namespace standoff {

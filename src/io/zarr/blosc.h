@@ -26,7 +26,8 @@ std::vector<std::byte> blosc_packed(std::span<const std::byte> bytes);
 /// The most bytes that `bytes` bytes become.
 std::size_t blosc_most(std::size_t bytes);
 
-/// Unpacks what must become exactly out.size() bytes. Returns what is wrong, empty if nothing is. Requires have_blosc().
+/// Unpacks what must become exactly out.size() bytes. Returns what is wrong, empty if nothing is. Requires
+/// have_blosc().
 std::string blosc_unpack(std::string_view packed, std::span<std::byte> out);
 
 }  // namespace standoff::zarr

@@ -107,7 +107,8 @@ JsonView need(const Named& what, const char* name) {
 }
 
 Size3 sizes(const JsonView& json) {
-  if (json.size() != 3) json.fail("it has " + std::to_string(json.size()) + " numbers, where a field has 3 axes; write the store again");
+  if (json.size() != 3)
+    json.fail("it has " + std::to_string(json.size()) + " numbers, where a field has 3 axes; write the store again");
   constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
   Size3 sizes;
   std::size_t axis = 0;
@@ -129,7 +130,8 @@ double number_or_word(const JsonView& json) {
 }
 
 Vec3 vector(const JsonView& json) {
-  if (json.size() != 3) json.fail("it has " + std::to_string(json.size()) + " numbers, where a field has 3 axes; write the store again");
+  if (json.size() != 3)
+    json.fail("it has " + std::to_string(json.size()) + " numbers, where a field has 3 axes; write the store again");
   std::array<double, 3> numbers{};
   std::size_t axis = 0;
   json.each_element([&](const JsonView& number) { numbers[axis++] = number.number(); });
@@ -175,7 +177,9 @@ void expect_version(const JsonView& json, const char* node) {
 void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
   enum { kArrays, kBytes, kPacked } reached = kArrays;
   layout.x_fastest = layout.blosc = false;
-  const auto not_read = [](const Named& codec) { codec.json.fail("codec " + in_quotes(codec.name) + " is not read here; " + kCodecsThatWork); };
+  const auto not_read = [](const Named& codec) {
+    codec.json.fail("codec " + in_quotes(codec.name) + " is not read here; " + kCodecsThatWork);
+  };
   json.each_element([&](const JsonView& element) {
     const Named codec = named(element);
     if (codec.name == "transpose" && reached == kArrays && !layout.x_fastest) {
@@ -187,7 +191,8 @@ void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
         order.fail(std::string("axes in this order are not read; ") + kCodecsThatWork);
     } else if (codec.name == "bytes" && reached == kArrays) {
       const JsonView endian = need(codec, "endian");
-      if (endian.text() != "little") endian.fail(in_quotes(endian.text()) + " endian bytes are not read; " + kCodecsThatWork);
+      if (endian.text() != "little")
+        endian.fail(in_quotes(endian.text()) + " endian bytes are not read; " + kCodecsThatWork);
       reached = kBytes;
     } else if (codec.name == "blosc" && reached == kBytes) {
       layout.blosc = true;
@@ -228,7 +233,8 @@ void read_codecs(const JsonView& json, ArrayLayout& layout) {
   read_index_codecs(need(*sharding, "index_codecs"));
   if (const auto location = sharding->configuration->find("index_location")) {
     layout.index_first = location->text() == "start";
-    if (!layout.index_first && location->text() != "end") location->fail("an index is at \"start\" or \"end\"; write the store again");
+    if (!layout.index_first && location->text() != "end")
+      location->fail("an index is at \"start\" or \"end\"; write the store again");
   }
 }
 
@@ -316,14 +322,16 @@ bool read_attributes(const FileView& file, const JsonView& array, const std::opt
   store.thickness = std::numeric_limits<double>::infinity();
   if (!own) {
     if (!level || !level->scale)
-      file.fail("its attributes lack \"standoff\", and its group has no multiscales of OME-Zarr: where its samples are is not known; add one of both");
+      file.fail(
+          "its attributes lack \"standoff\", and its group has no multiscales of OME-Zarr: where its samples are is "
+          "not known; add one of both");
     store.grid.spacing = *level->scale;
     store.grid.origin = level->translation;
     return false;
   }
   if (const JsonView format = need(*own, "format"); format.whole() != kFormat)
-    format.fail("the store is of format " + std::to_string(format.whole()) + ", and format " +
-                std::to_string(kFormat) + " is read; get a newer standoff");
+    format.fail("the store is of format " + std::to_string(format.whole()) + ", and format " + std::to_string(kFormat) +
+                " is read; get a newer standoff");
   store.grid.origin = vector(need(*own, "origin"));
   store.grid.spacing = vector(need(*own, "spacing"));
   if (const auto thickness = own->find("thickness")) store.thickness = number_or_word(*thickness);
@@ -342,7 +350,8 @@ bool read_attributes(const FileView& file, const JsonView& array, const std::opt
 }
 
 void check(const FileView& file, const StoreMetadata& store) {
-  if (!(store.thickness > 0)) file.fail("the thickness " + exact_text(store.thickness) + " is not positive; write the store again");
+  if (!(store.thickness > 0))
+    file.fail("the thickness " + exact_text(store.thickness) + " is not positive; write the store again");
   try {
     validate(store.grid);
   } catch (const Error& error) {
@@ -403,15 +412,14 @@ std::string array_text(const ArrayLayout& layout, const std::string& attributes)
 
 std::string field_attributes(const StoreMetadata& store) {
   const Provenance& from = store.provenance;
-  return member("standoff", "{" + member("format", std::to_string(kFormat)) + ", " +
-                                member("origin", list_json(store.grid.origin)) + ", " +
-                                member("spacing", list_json(store.grid.spacing)) + ", " +
-                                member("thickness", number_json(store.thickness)) + ", " +
-                                member("nearest", store.nearest ? "true" : "false") + ", " +
-                                member("method", quoted_text(from.method)) + ", " +
-                                member("sign", quoted_text(from.sign)) + ", " +
-                                member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
-                                member("version", quoted_text(from.version)) + "}");
+  return member(
+      "standoff",
+      "{" + member("format", std::to_string(kFormat)) + ", " + member("origin", list_json(store.grid.origin)) + ", " +
+          member("spacing", list_json(store.grid.spacing)) + ", " + member("thickness", number_json(store.thickness)) +
+          ", " + member("nearest", store.nearest ? "true" : "false") + ", " +
+          member("method", quoted_text(from.method)) + ", " + member("sign", quoted_text(from.sign)) + ", " +
+          member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
+          member("version", quoted_text(from.version)) + "}");
 }
 
 std::string group_text(const StoreMetadata& store) {
@@ -444,7 +452,8 @@ ArrayLayout read_array(const FileView& file) {
   if (const auto names = json.find("dimension_names"); names && names->kind() == JsonView::Kind::list)
     expect_axes(*names);
   const Named grid = named(need(json, "chunk_grid"));
-  if (grid.name != "regular") grid.json.fail("chunks in a grid " + in_quotes(grid.name) + " are not read; write a regular one");
+  if (grid.name != "regular")
+    grid.json.fail("chunks in a grid " + in_quotes(grid.name) + " are not read; write a regular one");
   layout.shard = sizes(need(grid, "chunk_shape"));
   read_names(need(json, "chunk_key_encoding"), layout);
   const JsonView codecs = need(json, "codecs");
@@ -463,9 +472,10 @@ StoreMetadata read_store(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(status))
     fail_no_store(path, "it is a file, and a Zarr store is a folder; check the name");
   if (!std::filesystem::exists(path / kMetadataName, ignored))
-    fail_no_store(path, std::filesystem::exists(path / ".zgroup", ignored) || std::filesystem::exists(path / ".zarray", ignored)
-                            ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
-                            : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
+    fail_no_store(
+        path, std::filesystem::exists(path / ".zgroup", ignored) || std::filesystem::exists(path / ".zarray", ignored)
+                  ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
+                  : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
   StoreMetadata store;
   store.path = path;
   const FileView top(path / kMetadataName);

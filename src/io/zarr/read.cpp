@@ -49,7 +49,8 @@ constexpr Strides strides_of(const Size3& size, bool x_fastest) {
 // The files of an array that a window touches.
 class OpenShards {
  public:
-  OpenShards(const StoredLayout& layout, const Window& window) : layout_(layout), shards_(parts_in(window, layout.shard)) {
+  OpenShards(const StoredLayout& layout, const Window& window)
+      : layout_(layout), shards_(parts_in(window, layout.shard)) {
     const Size3 count = shards_.size();
     for (std::size_t n = 0; n < static_cast<std::size_t>(count.count()); ++n)
       files_.emplace_back(layout, plus(shards_.first, part_at(n, count)));
@@ -70,7 +71,8 @@ class OpenShards {
       const Window part = whole.common(window);
       if (!stored(chunk)) return fill(part, window, out);
       if (whole == window && layout_.x_fastest) return unpack(chunk, out, scratch);
-      auto* const unpacked = reinterpret_cast<std::uint32_t*>(scratch.chunk.room(static_cast<std::uint64_t>(layout_.chunk_bytes())));
+      auto* const unpacked =
+          reinterpret_cast<std::uint32_t*>(scratch.chunk.room(static_cast<std::uint64_t>(layout_.chunk_bytes())));
       unpack(chunk, unpacked, scratch);
       copy(unpacked, whole, part, window, out);
     });
@@ -81,7 +83,8 @@ class OpenShards {
   void for_each_chunk(const Window& window, const Visit& visit) const {
     const Window chunks = parts_in(window, layout_.chunk);
     const Size3 count = chunks.size();
-    for (std::size_t n = 0; n < static_cast<std::size_t>(count.count()); ++n) visit(plus(chunks.first, part_at(n, count)));
+    for (std::size_t n = 0; n < static_cast<std::size_t>(count.count()); ++n)
+      visit(plus(chunks.first, part_at(n, count)));
   }
   const StoredShard& file_of(const Size3& chunk) const {
     const Size3 at = minus(divided(chunk, layout_.chunks()), shards_.first), count = shards_.size();
@@ -180,8 +183,8 @@ class WindowReader {
 
   void check_memory(std::int64_t tiles) const {
     if (memory_limit_ == 0) return;
-    const double needed = held_ + field_bytes(static_cast<double>(tiles), static_cast<double>(field_.tile_count().count()),
-                                              field_.has_nearest());
+    const double needed = held_ + field_bytes(static_cast<double>(tiles),
+                                              static_cast<double>(field_.tile_count().count()), field_.has_nearest());
     if (const auto limit = static_cast<double>(memory_limit_); needed > limit)
       throw Error(ErrorCode::limit,
                   store_.path.string() + ": its tiles need more than " + over_the_limit(needed, limit) +
@@ -221,7 +224,8 @@ class WindowReader {
     const auto room = [&](UnpackedBytes& bytes) {
       return reinterpret_cast<std::uint32_t*>(bytes.room(4 * static_cast<std::uint64_t>(block.size().count())));
     };
-    std::uint32_t *const of_values = room(scratch.values), *const of_nearest = nearest ? room(scratch.nearest) : nullptr;
+    std::uint32_t *const of_values = room(scratch.values), *const of_nearest =
+                                                               nearest ? room(scratch.nearest) : nullptr;
     values.read(samples, of_values, scratch);
     if (nearest) nearest->read(samples, of_nearest, scratch);
     const Window tiles = parts_in(block, kTile);

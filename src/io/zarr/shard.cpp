@@ -113,8 +113,7 @@ void StoredShard::read(const Size3& chunk, std::span<std::byte> out, UnpackedByt
   if (!have_blosc()) fail("", std::string("its chunks are compressed by blosc, and ") + kWithoutBlosc);
   const std::span bytes(reinterpret_cast<std::byte*>(packed.room(blosc_most(out.size()))), entry.bytes);
   read_bytes(file, entry.offset, bytes);
-  if (const std::string wrong =
-          blosc_unpack({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, out);
+  if (const std::string wrong = blosc_unpack({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, out);
       !wrong.empty())
     fail_chunk(wrong);
 }

@@ -17,7 +17,8 @@ namespace standoff::zarr {
 /// CRC-32C (Castagnoli; RFC 3720), which ends an index.
 std::uint32_t crc32c(std::span<const std::byte> bytes);
 
-/// Where the chunks of a shard are in its file: two numbers for each, z fastest; then a checksum. All are little endian.
+/// Where the chunks of a shard are in its file: two numbers for each, z fastest; then a checksum. All are little
+/// endian.
 class ShardIndex {
  public:
   struct Entry {

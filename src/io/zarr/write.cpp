@@ -34,7 +34,8 @@ using Packed = std::vector<std::byte>;
 class ChunkGatherer {
  public:
   ChunkGatherer(const ArrayLayout& layout, const DistanceField& field) : layout_(layout), field_(field) {
-    const auto bytes = layout.whole_numbers ? std::as_bytes(field.tile_nearest_values()) : std::as_bytes(field.tile_values());
+    const auto bytes =
+        layout.whole_numbers ? std::as_bytes(field.tile_nearest_values()) : std::as_bytes(field.tile_values());
     values_ = bytes.data();
     inside_ = layout.whole_numbers ? layout.fill : std::bit_cast<std::uint32_t>(-static_cast<float>(field.thickness()));
   }
@@ -46,7 +47,8 @@ class ChunkGatherer {
     const Size3 end_tile = parts_of(end, Size3{kTileSide, kTileSide, kTileSide});
     if (!any_tile(begin_tile, end_tile)) return false;
     chunk.assign(static_cast<std::size_t>(layout_.chunk.count()), layout_.fill);
-    for_each_tile(begin_tile, end_tile, [&](const Size3& tile, std::int32_t slot) { copy_tile(tile, slot, first, end, chunk); });
+    for_each_tile(begin_tile, end_tile,
+                  [&](const Size3& tile, std::int32_t slot) { copy_tile(tile, slot, first, end, chunk); });
     return std::ranges::any_of(chunk, [fill = layout_.fill](std::uint32_t value) { return value != fill; });
   }
 
@@ -81,7 +83,8 @@ class ChunkGatherer {
         if (slot < 0) {
           std::fill_n(row, width, inside_);
         } else {
-          const std::int64_t from = std::int64_t{kTileSamples} * slot + kTileSide * ((y - at.y) + kTileSide * (z - at.z));
+          const std::int64_t from =
+              std::int64_t{kTileSamples} * slot + kTileSide * ((y - at.y) + kTileSide * (z - at.z));
           std::memcpy(row, values_ + sizeof(float) * static_cast<std::size_t>(from), sizeof(float) * width);
         }
       }
@@ -106,9 +109,8 @@ Packed packed_chunk(const ArrayLayout& layout, const ChunkGatherer& from, const 
 template <class Pack>
 std::vector<Packed> pack_all(std::size_t count, const Pack& pack) {
   std::vector<Packed> packed(count);
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) { packed[n] = pack(n); });
-  });
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) { packed[n] = pack(n); }); });
   return packed;
 }
 
@@ -228,7 +230,8 @@ void check_writable(const Grid& grid, double thickness, const ZarrLayout& layout
   }
   if (samples > std::int64_t{1} << 24) refuse("a chunk has more than 2^24 samples; give a smaller one");
   if (chunks > kMostChunks) refuse("a shard has more than 2^20 chunks; give a smaller one");
-  if (layout.compress && !have_blosc()) refuse(std::string("chunks cannot be compressed: ") + kWithoutBlosc + ", or leave them uncompressed");
+  if (layout.compress && !have_blosc())
+    refuse(std::string("chunks cannot be compressed: ") + kWithoutBlosc + ", or leave them uncompressed");
 }
 
 StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, double thickness,

@@ -43,8 +43,8 @@ class LayeredWriter {
 
   /// Slices of a layer of chunks.
   std::int64_t slices() const { return store_.distance.chunk.z; }
-  /// Writes the next layer: the slices of `field` from `first` on, slices() of them or what is left of the grid. `first`
-  /// is a multiple of 8. Errors: output, interrupted.
+  /// Writes the next layer: the slices of `field` from `first` on, slices() of them or what is left of the grid.
+  /// `first` is a multiple of 8. Errors: output, interrupted.
   void write_layer(const DistanceField& field, std::int64_t first);
 
  private:

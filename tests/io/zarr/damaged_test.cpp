@@ -67,7 +67,8 @@ TEST_F(DamagedZarr, TheCorpusIsGood) { EXPECT_EQ(read_field(path).grid(), grid);
 TEST_F(DamagedZarr, NoStores) {
   expect_error([&] { read_field(folder / "none.zarr"); }, ErrorCode::input, "none.zarr: no such file; check the name");
   write_bytes(folder / "file.zarr", "x");
-  expect_error([&] { read_field(folder / "file.zarr"); }, ErrorCode::input, "it is a file, and a Zarr store is a folder");
+  expect_error([&] { read_field(folder / "file.zarr"); }, ErrorCode::input,
+               "it is a file, and a Zarr store is a folder");
   std::filesystem::create_directory(folder / "b.zarr");
   expect_error([&] { read_field(folder / "b.zarr"); }, ErrorCode::input, "b.zarr: the folder holds no zarr.json");
   write_bytes(folder / "b.zarr" / ".zarray", "{}");
@@ -111,8 +112,10 @@ TEST_F(DamagedZarr, Arrays) {
            {"\"fill_value\": 9000", "\"fill_value\": \"0xgggggggg\"", "the fill value is no float32"},
            {"\"fill_value\": 9000", "\"fill_value\": \"much\"", "expected a number, \"Infinity\" or \"NaN\""},
            {"\"fill_value\"", "\"fill\"", "its member 'fill' is unknown here"},
-           {"\"order\": [2, 1, 0]", "\"order\": [1, 2, 0]", "axes in this order are not read; standoff reads chunks of"},
-           {"\"endian\": \"little\"", "\"endian\": \"big\"", "'big' endian bytes are not read; standoff reads chunks of"},
+           {"\"order\": [2, 1, 0]", "\"order\": [1, 2, 0]",
+            "axes in this order are not read; standoff reads chunks of"},
+           {"\"endian\": \"little\"", "\"endian\": \"big\"",
+            "'big' endian bytes are not read; standoff reads chunks of"},
            {"\"blosc\"", "\"zstd\"", "codec 'zstd' is not read here; standoff reads chunks of"},
            {"\"blosc\"", "\"gzip\"", "codec 'gzip' is not read here"},
            {"\"name\": \"bytes\"", "\"name\": \"packbits\"", "codec 'packbits' is not read here"},
@@ -123,11 +126,13 @@ TEST_F(DamagedZarr, Arrays) {
            {", {\"name\": \"crc32c\"}", "", "the index of a shard is read of bytes"},
            {"\"format\": 1", "\"format\": 2", "the store is of format 2, and format 1 is read; get a newer standoff"},
            {"\"origin\"", "\"orgin\"", "it lacks \"origin\""},
-           {"\"spacing\": [0.5", "\"spacing\": [-0.5", "the spacing must be positive and finite; write the store again"},
+           {"\"spacing\": [0.5", "\"spacing\": [-0.5",
+            "the spacing must be positive and finite; write the store again"},
            {"\"thickness\": 9000", "\"thickness\": -1", "the thickness -1 is not positive"},
            {"\"thickness\": 9000", "\"thickness\": \"NaN\"", "the thickness nan is not positive"},
            {"\"mesh_hash\": \"0x", "\"mesh_hash\": \"", "the mesh's hash is not of the form"},
-           {"\"codecs\": [{\"name\": \"sharding_indexed\"", "\"codecs\": [{\"name\": \"bytes\"}, {\"name\": \"sharding_indexed\"",
+           {"\"codecs\": [{\"name\": \"sharding_indexed\"",
+            "\"codecs\": [{\"name\": \"bytes\"}, {\"name\": \"sharding_indexed\"",
             "codecs beside 'sharding_indexed' are not read"},
            {"\"configuration\": {\"chunk_shape\": [8", "\"config\": {\"chunk_shape\": [8", "lacks its configuration"}})
     expect_change_refused(array, from, to, words);

@@ -30,7 +30,7 @@ ZarrLayout small(bool nearest) {
 
 // The part of a field as a field of its own, made sample by sample.
 DistanceField part_of(const DistanceField& field, const Size3& first, const Size3& size) {
-  const Grid grid{size, field.grid().position(first.x, first.y, first.z), field.grid().spacing};
+  const Grid grid = field.grid().window(first, size);
   std::vector<float> values;
   std::vector<std::uint32_t> nearest;
   for (std::int64_t k = first.z; k < first.z + size.z; ++k)
@@ -60,8 +60,9 @@ void expect_same(const DistanceField& found, const DistanceField& wanted) {
   if (wanted.has_nearest()) {
     EXPECT_TRUE(nearest_of(found) == nearest_of(wanted));
   }
-  EXPECT_TRUE(std::ranges::equal(found.slots(), wanted.slots(), {}, [](std::int32_t slot) { return std::min(slot, 0); },
-                                 [](std::int32_t slot) { return std::min(slot, 0); }));
+  EXPECT_TRUE(std::ranges::equal(
+      found.slots(), wanted.slots(), {}, [](std::int32_t slot) { return std::min(slot, 0); },
+      [](std::int32_t slot) { return std::min(slot, 0); }));
 }
 
 ZarrStore store_for(const std::filesystem::path& path, const DistanceField& field, const ZarrLayout& layout) {
@@ -107,6 +108,21 @@ TEST(ZarrStore, WindowsInAnyOrderAreTheWhole) {
     }
 }
 
+// A window may also have an origin of its own, as from a file that keeps no more; and a window of a larger grid that is
+// written as a store of its own is whole there.
+TEST(ZarrStore, WindowsAreKnownByWhereTheyAre) {
+  const TempFolder folder;
+  const DistanceField field = ball(false);
+  const ZarrStore store = store_for(folder / "a.zarr", field, kSmall);
+  const DistanceField window = part_of(field, {24, 32, 0}, {24, 11, 32});
+  const Grid moved{window.grid().size, window.grid().corner(), window.grid().spacing};
+  store.write({24, 32, 0}, DistanceField::from_dense(moved, 2, window.to_dense()));
+  expect_same(store.read({24, 32, 0}, {24, 11, 32}), window);
+  write_field(folder / "b.zarr", window);
+  EXPECT_EQ(read_field(folder / "b.zarr").grid(), moved);
+  EXPECT_TRUE(read_field(folder / "b.zarr").to_dense() == window.to_dense());
+}
+
 // As many processes do, each with a store of its own.
 TEST(ZarrStore, WindowsOfManyWritersAtOnce) {
   const TempFolder folder;
@@ -141,8 +157,12 @@ TEST(ZarrStore, PartsAreWhatTheWholeHasThere) {
     const ZarrStore store = store_for(folder / (nearest ? "nearest.zarr" : "a.zarr"), field, small(nearest));
     store.write({}, field);
     const Size3 all = field.grid().size;
-    std::vector<std::pair<Size3, Size3>> parts{{{}, all},          {{8, 16, 0}, {16, 16, 32}}, {{0, 0, 22}, {61, 43, 1}},
-                                               {{20, 0, 0}, {1, 43, 45}}, {{60, 42, 44}, {1, 1, 1}}, {{3, 5, 7}, {50, 30, 30}}};
+    std::vector<std::pair<Size3, Size3>> parts{{{}, all},
+                                               {{8, 16, 0}, {16, 16, 32}},
+                                               {{0, 0, 22}, {61, 43, 1}},
+                                               {{20, 0, 0}, {1, 43, 45}},
+                                               {{60, 42, 44}, {1, 1, 1}},
+                                               {{3, 5, 7}, {50, 30, 30}}};
     std::mt19937 random(3);
     for (int n = 0; n < 20; ++n) {
       Size3 first, size;
@@ -236,7 +256,8 @@ TEST(ZarrStore, WindowsThatShareAShardAreRefused) {
   const auto refused = [&](const Size3& first, const Size3& size, const std::string& words) {
     expect_error([&] { store.write(first, part_of(field, first, size)); }, ErrorCode::usage, words);
   };
-  refused({8, 0, 0}, {16, 32, 32}, "along x the window is from sample 8 to 24, and would write a part of a shard, of 24");
+  refused({8, 0, 0}, {16, 32, 32},
+          "along x the window is from sample 8 to 24, and would write a part of a shard, of 24");
   refused({0, 0, 0}, {24, 16, 32}, "along y the window is from sample 0 to 16");
   refused({0, 0, 0}, {24, 32, 44}, "along z the window is from sample 0 to 44");
   refused({24, 32, 32}, {24, 11, 12}, "along z the window is from sample 32 to 44");
@@ -260,9 +281,14 @@ TEST(ZarrStore, PartsBeyondTheGridAreRefused) {
   const DistanceField field = ball(false);
   const ZarrStore store = store_for(folder / "a.zarr", field, kSmall);
   constexpr std::int64_t kHuge = std::numeric_limits<std::int64_t>::max();
-  for (const auto& [first, size] : std::vector<std::pair<Size3, Size3>>{
-           {{-1, 0, 0}, {1, 1, 1}}, {{61, 0, 0}, {1, 1, 1}}, {{0, 43, 0}, {1, 1, 1}}, {{0, 0, 40}, {1, 1, 6}},
-           {{0, 0, 0}, {0, 1, 1}}, {{0, 0, 0}, {1, 1, -1}}, {{1, 0, 0}, {kHuge, 1, 1}}, {{kHuge, 0, 0}, {kHuge, 1, 1}}})
+  for (const auto& [first, size] : std::vector<std::pair<Size3, Size3>>{{{-1, 0, 0}, {1, 1, 1}},
+                                                                        {{61, 0, 0}, {1, 1, 1}},
+                                                                        {{0, 43, 0}, {1, 1, 1}},
+                                                                        {{0, 0, 40}, {1, 1, 6}},
+                                                                        {{0, 0, 0}, {0, 1, 1}},
+                                                                        {{0, 0, 0}, {1, 1, -1}},
+                                                                        {{1, 0, 0}, {kHuge, 1, 1}},
+                                                                        {{kHuge, 0, 0}, {kHuge, 1, 1}}})
     expect_error([&] { store.read(first, size); }, ErrorCode::usage, "are not within the ");
 }
 
@@ -296,7 +322,8 @@ TEST(ZarrStore, ReplacesStoresOfOursAlone) {
   write_field(folder / "a.zarr/", field);  // with a slash, as shells complete it
   expect_same(read_field(path / ""), field);
   std::filesystem::remove(path / "zarr.json");
-  expect_error([&] { write_field(path, field); }, ErrorCode::output, "a folder is there that is not a Zarr store of standoff");
+  expect_error([&] { write_field(path, field); }, ErrorCode::output,
+               "a folder is there that is not a Zarr store of standoff");
   EXPECT_TRUE(std::filesystem::exists(path / "0" / "zarr.json"));
   std::filesystem::create_directory(folder / "empty.zarr");
   write_field(folder / "empty.zarr", field);
