@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
@@ -30,15 +31,6 @@
 
 namespace standoff::cli {
 namespace {
-
-// "tiles (default): exact; thesis: ..".
-std::string methods_text() {
-  std::string text;
-  for (const MethodInfo& info : kComputeMethods)
-    text += (text.empty() ? "" : "; ") + std::string(info.name) +
-            (info.method == ComputeOptions{}.method ? " (default)" : "") + ": " + info.what;
-  return wrapped(text, kHelpColumns);
-}
 
 class Beside {
  public:
@@ -283,10 +275,9 @@ constexpr const char* kComputeExamples =
 struct ComputeCommand {
   MeshInput mesh;
   FileOutput output;
-  GridOptions grid;
-  ComputeOptions options;
+  FieldOptions field;
+  ComputeOptions& options = field.compute;
   Console console;
-  Thickness shell{0};  // of --sign shell
   bool dry_run = false, uncompressed = false;
   Beside beside;
   std::optional<std::string> confidence_name;
@@ -296,21 +287,11 @@ struct ComputeCommand {
   void run();
 
  private:
-  GridChoice choose_grid(const Box& box);
   FieldWriteOptions write_options() const;
   Outcome write_in_slabs(const Plan& plan);
   Outcome write_whole(const Plan& plan);
-  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
+  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& computed) const;
 };
-
-// Beyond this the padding of the box or the squares of distances would be infinite.
-void check_extent(const std::string& name, const Box& box) {
-  for (const Vec3 corner : {box.min, box.max})
-    for (const double c : {corner.x, corner.y, corner.z})
-      if (std::abs(c) > kMaxCoordinate)
-        throw Error(ErrorCode::input, name + ": a coordinate of " + number(c) +
-                                          ", too far out for a grid; repair the mesh, or scale it down with --scale");
-}
 
 void ComputeCommand::add_to(CLI::App& verb) {
   mesh.add_to(verb);
@@ -321,47 +302,25 @@ void ComputeCommand::add_to(CLI::App& verb) {
           "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
       ->group("Output");
   add_uncompressed(verb, uncompressed);
-  grid.add_to(verb);
+  field.add_grid_to(verb);
   mesh.add_scale_to(verb);
 
-  const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
-                           const char* group = "Work") {
+  const auto add = [&verb](const char* name, const char* value, const char* help, const char* group, auto set) {
     add_parsed(verb, {name, value, help, group}, set);
   };
   add("--with", "WHAT,..",
       "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
       "closest,\n"
       "barycentric, feature, gradient; several with commas between",
-      [this](S o, S t) { beside.add(o, t); });
-  add_sign(verb, options.sign, shell);
-  add(
-      "--confidence", "FIELD",
+      "Work", [this](S o, S t) { beside.add(o, t); });
+  field.add_sign_to(verb);
+  add("--confidence", "FIELD",
       "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
       "is",
-      [this](S, S t) { confidence_name = t; }, "Sign");
-  add_devices(verb, "Work", options.execution.backend, options.devices);
-  add_threads(verb, "Work", options.execution.threads);
-  add("--memory-limit", "SIZE",
-      "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)",
-      [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
+      "Sign", [this](S, S t) { confidence_name = t; });
+  field.add_work_to(verb);
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
-  add(
-      "--method", "NAME", methods_text().c_str(), [this](S o, S t) { options.method = parse_method(o, t); },
-      kThesisGroup);
-  add(
-      "--skip", "RULE",
-      "leave triangles out first: none, neighbour[:FRACTION] or\nexact (default: none; thesis: neighbour:1)",
-      [this](S o, S t) { options.skip = parse_skip(o, t); }, kThesisGroup);
-  grid.add_thesis_to(verb);
-}
-
-// The grid is one around the solid: a shell reaches beyond the mesh. Sets the shell's thickness in world units.
-GridChoice ComputeCommand::choose_grid(const Box& box) {
-  if (options.sign.method != SignMethod::shell) return grid.choose(box);
-  const double spacing = shell.in_samples ? grid.choose(box).grid.max_spacing() : 1;
-  GridChoice choice = grid.choose(box.grown(shell.world(spacing) / 2));
-  options.sign.shell = shell.world(choice.grid.max_spacing());
-  return choice;
+  field.add_thesis_to(verb);
 }
 
 void ComputeCommand::run() {
@@ -381,9 +340,7 @@ void ComputeCommand::run() {
   const auto start = std::chrono::steady_clock::now();
   const auto [loaded, read] = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read_with_report(); });
   validate(loaded);
-  const Box box = bounds(loaded);
-  check_extent(mesh.name(), box);
-  Plan plan{mesh.name(), loaded, choose_grid(box), output.path().string(), output.in_the_way()};
+  Plan plan{mesh.name(), loaded, field.choose_grid(mesh.name(), bounds(loaded)), output.path().string(), output.in_the_way()};
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
@@ -460,12 +417,12 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
   return outcome;
 }
 
-SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& field) const {
+SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& computed) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
     const ConfidenceOptions asked{.sign = options.sign, .execution = {options.execution.threads}};
-    const std::vector<float> margins = winding_margins(loaded, field.grid(), asked);
-    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), write_options());
-    return sign_confidence(loaded, field, margins, asked);
+    const std::vector<float> margins = winding_margins(loaded, computed.grid(), asked);
+    write_field(confidence.path(), DistanceField::from_dense(computed.grid(), 0.5, margins), write_options());
+    return sign_confidence(loaded, computed, margins, asked);
   });
 }
 

@@ -190,7 +190,7 @@ void AtomicFile::append(const char* data, std::size_t bytes) {
 void AtomicFile::commit() {
   flush();
   if (kind_ != Kind::straight) {
-    sync(file_);
+    if (waits_for_disk_) sync(file_);
     note_finishing(shown_, file_);
   }
   if (kind_ == Kind::unnamed) link_unnamed();
@@ -200,7 +200,7 @@ void AtomicFile::commit() {
     return;
   }
   if (unfinished_ != target_) take_name();
-  sync_folder();
+  if (waits_for_disk_) sync_folder();
   unfinished_.clear();
   forget_unfinished(slot_);
   slot_ = -1;

@@ -43,6 +43,9 @@ class AtomicFile {
   void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
   /// Throws if so: for work between the bytes, from any thread.
   void check() const;
+  /// The system may write the bytes to the disk when it likes: commit() takes microseconds then. The file still appears
+  /// whole or not at all for every process; after a loss of power it may be there without its bytes.
+  void leave_to_system() { waits_for_disk_ = false; }
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
@@ -84,6 +87,7 @@ class AtomicFile {
   int slot_ = -1;  // in the table of unfinished files
   std::uint64_t size_ = 0;
   bool noted_straight_ = false;
+  bool waits_for_disk_ = true;
   ProgressMeter* waiting_ = nullptr;
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;

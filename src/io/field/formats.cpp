@@ -70,6 +70,7 @@ void write(const std::filesystem::path& path, const FieldFormat& format, const F
   meter.stage("write", 1, 0, 1);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);
+  if (!options.sync) file.leave_to_system();
   format.write(file, source, options);
   meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
   file.commit();
