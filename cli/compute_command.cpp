@@ -157,16 +157,11 @@ std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
   return static_cast<std::int64_t>(std::min(static_cast<double>(found.whole) + beside, 0x1p62));
 }
 
-// The memory limit in bytes; the largest number where there is none.
-std::int64_t limit_of(const ComputeOptions& options) {
-  const std::int64_t limit = options.memory_limit == 0 ? default_memory_limit() : options.memory_limit;
-  return limit < 0 ? std::numeric_limits<std::int64_t>::max() : limit;
-}
-
 // What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
-void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
+void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
+  const ComputeOptions& options = field.compute;
   const Grid& grid = plan.choice.grid;
-  const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options);
+  const std::int64_t needed = memory_needed(plan, options), limit = field.memory_limit();
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
   const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
@@ -194,8 +189,8 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
 }
 
 // Errors: limit. Of a field without sidecars the computation says the same.
-void check_memory(const Plan& plan, const ComputeOptions& options) {
-  if (const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options); needed > limit)
+void check_memory(const Plan& plan, const FieldOptions& field) {
+  if (const std::int64_t needed = memory_needed(plan, field.compute), limit = field.memory_limit(); needed > limit)
     throw Error(ErrorCode::limit,
                 "compute: the field and what stands beside it may need " + bytes_text(needed) +
                     ", more than the limit of " + bytes_text(limit) +
@@ -345,12 +340,12 @@ void ComputeCommand::run() {
   plan.in_slabs = output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
   plan.bytes_beside = beside.bytes_per_sample();
-  if (dry_run) return tell(plan, options, console);
+  if (dry_run) return tell(plan, field, console);
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
 
-  if (plan.bytes_beside > 0) check_memory(plan, options);
+  if (plan.bytes_beside > 0) check_memory(plan, field);
   Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);

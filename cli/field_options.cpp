@@ -2,10 +2,12 @@
 #include "cli/field_options.h"
 
 #include <cmath>
+#include <limits>
 
 #include "cli/parse.h"
 #include "cli/text.h"
 #include "standoff/error.h"
+#include "standoff/memory.h"
 
 namespace standoff::cli {
 namespace {
@@ -63,6 +65,11 @@ GridChoice FieldOptions::choose_grid(const std::string& name, const Box& box) {
   GridChoice choice = grid_.choose(box.grown(shell_.world(spacing) / 2));
   compute.sign.shell = shell_.world(choice.grid.max_spacing());
   return choice;
+}
+
+std::int64_t FieldOptions::memory_limit() const {
+  const std::int64_t limit = compute.memory_limit == 0 ? default_memory_limit() : compute.memory_limit;
+  return limit < 0 ? std::numeric_limits<std::int64_t>::max() : limit;
 }
 
 Json FieldOptions::parameters() const {

@@ -2,6 +2,7 @@
 // The options of a field, which verbs that compute fields share: its grid, sign, method, and where the work runs.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -30,6 +31,9 @@ class FieldOptions {
   /// The grid for a mesh with those bounds, and the thickness of its band. Sets the shell's thickness in world units.
   /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
   GridChoice choose_grid(const std::string& name, const Box& box);
+
+  /// The memory limit in bytes; the largest number where there is none.
+  std::int64_t memory_limit() const;
 
   /// All that decides the values of a field, whatever was left to a default, for programs that compare. Where the work
   /// runs, and on how many threads, decides none.
