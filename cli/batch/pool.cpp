@@ -123,12 +123,12 @@ WorkerPool::WorkerPool(int workers, double timeout_s, PoolWork work)
 
 WorkerPool::~WorkerPool() {
   for (Worker& worker : workers_) {
-    if (worker.state == Worker::State::none) continue;
+    if (!worker.runs()) continue;
     ::close(worker.socket);  // an idle one ends by that
     if (worker.state != Worker::State::idle) ::kill(worker.process, SIGTERM);
   }
   for (Worker& worker : workers_)
-    if (worker.state != Worker::State::none) end_process(worker.process, 0);
+    if (worker.runs()) end_process(worker.process, 0);
 }
 
 void WorkerPool::start(Worker& worker) {
@@ -152,8 +152,6 @@ void WorkerPool::start(Worker& worker) {
     serve(ends[1], work_);
   }
   ::close(ends[1]);
-  worker = {};
-  worker.state = Worker::State::idle;
   worker.process = process;
   worker.socket = ends[0];
 }
@@ -173,49 +171,63 @@ void WorkerPool::run(const Caller& caller) {
     if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
     feed(caller);
     const bool busy = any(Worker::State::working) || any(Worker::State::waiting);
-    if (!busy && ended_ && !held_) return;
+    if (!busy && ended_ && held_.empty()) return;
     wait_for_something(caller);
     end_late_ones(caller);
     if (caller.tick) caller.tick();
   }
 }
 
-// Gives tasks to idle workers, unless one waits to be alone.
+// Gives tasks to workers with room for them, unless one is alone or waits to be.
 void WorkerPool::feed(const Caller& caller) {
   not_yet_ = false;
-  for (Worker& worker : workers_) {
-    if (one_is_alone_ || any(Worker::State::waiting)) break;
-    if (held_ && any(Worker::State::working)) break;
-    if (worker.state != Worker::State::none && worker.state != Worker::State::idle) continue;
-    PoolTask task;
-    if (held_) {
-      task = *std::exchange(held_, std::nullopt);
-    } else {
-      if (ended_) break;
-      const Next next = caller.next(task);
-      if (next == Next::end) ended_ = true;
-      if (next == Next::not_yet) not_yet_ = true;
-      if (next != Next::task) break;
-      if (task.alone && any(Worker::State::working)) {
-        held_ = std::move(task);
-        break;
-      }
+  while (!one_is_alone_ && !any(Worker::State::waiting)) {
+    Worker* const worker = worker_with_room();
+    if (!worker) break;
+    std::optional<PoolTask> task = next_task(caller);
+    if (!task) break;
+    if (task->alone && any(Worker::State::working)) {
+      held_.push_front(*std::move(task));
+      break;
     }
-    give(worker, task);
-    one_is_alone_ = task.alone;
+    one_is_alone_ = task->alone;
+    give(*worker, *std::move(task));
   }
   grant();
 }
 
-void WorkerPool::give(Worker& worker, const PoolTask& task) {
-  if (worker.state == Worker::State::none) start(worker);
-  if (!send_message(worker.socket, kTask, task.text)) {  // somebody has ended it while it was idle
-    bury(worker, TaskEnd::Kind::died);
+std::optional<PoolTask> WorkerPool::next_task(const Caller& caller) {
+  PoolTask task;
+  if (!held_.empty()) {
+    task = std::move(held_.front());
+    held_.pop_front();
+    return task;
+  }
+  const Next next = ended_ ? Next::end : caller.next(task);
+  ended_ = next == Next::end;
+  not_yet_ = next == Next::not_yet;
+  return next == Next::task ? std::optional(std::move(task)) : std::nullopt;
+}
+
+// The one with the fewest tasks.
+WorkerPool::Worker* WorkerPool::worker_with_room() {
+  const auto least = std::ranges::min_element(workers_, {}, [](const Worker& worker) { return worker.tasks.size(); });
+  return least->tasks.size() < kAhead ? &*least : nullptr;
+}
+
+void WorkerPool::give(Worker& worker, PoolTask task) {
+  if (!worker.runs()) start(worker);
+  if (!send_message(worker.socket, kTask, task.text) && worker.tasks.empty()) {
+    bury(worker, TaskEnd::Kind::died);  // somebody has ended it while it was idle
     start(worker);
     send_message(worker.socket, kTask, task.text);
   }
-  worker.state = Worker::State::working;
-  worker.number = task.number;
+  worker.tasks.push_back(std::move(task));
+  if (worker.state == Worker::State::idle) begin_next(worker);
+}
+
+void WorkerPool::begin_next(Worker& worker) {
+  worker.state = worker.tasks.empty() ? Worker::State::idle : Worker::State::working;
   worker.seconds = 0;
   worker.since = Clock::now();
 }
@@ -236,16 +248,13 @@ void WorkerPool::wait_for_something(const Caller& caller) {
   std::vector<pollfd> ready;
   std::vector<Worker*> whose;
   for (Worker& worker : workers_) {
-    if (worker.state != Worker::State::working && worker.state != Worker::State::waiting) continue;
+    if (worker.state == Worker::State::idle) continue;
     if (worker.state == Worker::State::working) wait_s = std::min(wait_s, timeout_s_ - seconds_of(worker));
     ready.push_back({worker.socket, POLLIN, 0});
     whose.push_back(&worker);
   }
-  const bool room = std::ranges::any_of(workers_, [](const Worker& worker) {
-    return worker.state == Worker::State::none || worker.state == Worker::State::idle;
-  });
-  if (not_yet_ && room && caller.descriptor >= 0) ready.push_back({caller.descriptor, POLLIN, 0});
-  if (not_yet_ && room && caller.descriptor < 0) wait_s = 0;
+  if (not_yet_ && caller.descriptor >= 0) ready.push_back({caller.descriptor, POLLIN, 0});
+  if (not_yet_ && caller.descriptor < 0) wait_s = 0;
   const int wait_ms = static_cast<int>(std::ceil(std::max(0.0, wait_s) * 1000));
   if (::poll(ready.data(), ready.size(), wait_ms) <= 0) return;
   for (std::size_t n = 0; n < whose.size(); ++n)
@@ -257,7 +266,7 @@ void WorkerPool::receive(Worker& worker, const Caller& caller) {
   const auto got = ::read(worker.socket, buffer, sizeof buffer);
   if (got < 0 && errno == EINTR) return;
   if (got <= 0) {
-    const std::int64_t number = worker.number;
+    const std::int64_t number = worker.tasks.front().number;
     return caller.ended(number, bury(worker, TaskEnd::Kind::died));
   }
   worker.received.append(buffer, static_cast<std::size_t>(got));
@@ -272,36 +281,38 @@ void WorkerPool::take_messages(Worker& worker, const Caller& caller) {
     const char kind = worker.received[0];
     std::string text = worker.received.substr(kHead, length);
     worker.received.erase(0, kHead + length);
-    worker.seconds = seconds_of(worker);
-    if (kind == kAskToBeAlone) {
-      if (one_is_alone_) {  // it is
-        worker.since = Clock::now();
-        send_message(worker.socket, kYouAreAlone, "");
-      } else {
-        worker.state = Worker::State::waiting;
-      }
-      continue;
+    const double seconds = seconds_of(worker);
+    if (kind == kAnswer) {
+      const std::int64_t number = worker.tasks.front().number;
+      worker.tasks.pop_front();
+      one_is_alone_ = false;
+      begin_next(worker);
+      caller.ended(number, {.answer = std::move(text), .seconds = seconds});
+    } else if (one_is_alone_) {  // it is
+      send_message(worker.socket, kYouAreAlone, "");
+    } else {
+      worker.state = Worker::State::waiting;
+      worker.seconds = seconds;
     }
-    worker.state = Worker::State::idle;
-    one_is_alone_ = false;
-    caller.ended(worker.number, {.answer = std::move(text), .seconds = worker.seconds});
   }
 }
 
 void WorkerPool::end_late_ones(const Caller& caller) {
   for (Worker& worker : workers_) {
     if (worker.state != Worker::State::working || seconds_of(worker) < timeout_s_) continue;
-    const std::int64_t number = worker.number;
+    const std::int64_t number = worker.tasks.front().number;
     caller.ended(number, bury(worker, TaskEnd::Kind::timed_out));
   }
 }
 
-// Sees to it that the process has ended; the next task starts a new one.
+// Sees to it that the process has ended. The next task starts a new one, and those that stood behind the lost one come
+// first.
 TaskEnd WorkerPool::bury(Worker& worker, TaskEnd::Kind kind) {
   TaskEnd end{.kind = kind, .seconds = seconds_of(worker)};
   end.status = end_process(worker.process, kind == TaskEnd::Kind::timed_out ? SIGTERM : 0);
   ::close(worker.socket);
   if (worker.state == Worker::State::working) one_is_alone_ = false;
+  for (; worker.tasks.size() > 1; worker.tasks.pop_back()) held_.push_front(std::move(worker.tasks.back()));
   worker = {};
   return end;
 }

@@ -49,31 +49,39 @@ class WorkerPool {
 
   enum class Next { task, not_yet, end };
   struct Caller {
-    std::function<Next(PoolTask&)> next;                       ///< sets the next task
-    std::function<void(std::int64_t number, TaskEnd)> ended;   ///< called once for each task
-    std::function<void()> tick;                                ///< called several times a second
-    int descriptor = -1;                                       ///< readable when there is more after not_yet; -1: none
+    std::function<Next(PoolTask&)> next;                      ///< sets the next task
+    std::function<void(std::int64_t number, TaskEnd)> ended;  ///< called once for each task
+    std::function<void()> tick;                               ///< called several times a second
+    int descriptor = -1;  ///< readable when there is more after not_yet; -1: next() is asked again at once
   };
   /// Does all tasks. Errors: interrupted, soon after a signal (cli/process.h), without a word about tasks that ran;
   /// limit, where no process can be started; what the caller's functions throw.
   void run(const Caller& caller);
 
  private:
+  // A worker has its next task before it has done one, so that it need not wait for the pool's answer to its own.
+  static constexpr std::size_t kAhead = 2;
+
   using Clock = std::chrono::steady_clock;
   struct Worker {
-    enum class State { none, idle, working, waiting };  // waiting to be alone
-    State state = State::none;
+    enum class State { idle, working, waiting };  // waiting to be alone
+    State state = State::idle;
     pid_t process = -1;
     int socket = -1;
-    std::int64_t number = 0;  // of its task
-    double seconds = 0;       // that the task has run before `since`
+    std::deque<PoolTask> tasks;  // the first is being done
+    double seconds = 0;          // that it has run before `since`
     Clock::time_point since{};
     std::string received;  // of an answer
+
+    bool runs() const { return process >= 0; }
   };
 
   void start(Worker& worker);
   void feed(const Caller& caller);
-  void give(Worker& worker, const PoolTask& task);
+  std::optional<PoolTask> next_task(const Caller& caller);
+  Worker* worker_with_room();
+  void give(Worker& worker, PoolTask task);
+  void begin_next(Worker& worker);
   void grant();
   void wait_for_something(const Caller& caller);
   void receive(Worker& worker, const Caller& caller);
@@ -87,10 +95,10 @@ class WorkerPool {
   double timeout_s_;
   PoolWork work_;
   std::vector<Worker> workers_;
-  std::optional<PoolTask> held_;  // a task that waits until it may begin alone
+  std::deque<PoolTask> held_;  // to be given before others: what waits to begin alone, or stood behind a lost task
   bool one_is_alone_ = false;
-  bool ended_ = false;     // there are no more tasks
-  bool not_yet_ = false;   // there may be
+  bool ended_ = false;    // there are no more tasks
+  bool not_yet_ = false;  // there may be
 };
 
 }  // namespace standoff::cli
