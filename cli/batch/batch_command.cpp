@@ -318,6 +318,7 @@ BatchSummary BatchCommand::work_through() {
   const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash) : EarlierRows();
   fs::remove(summary, ignored);  // until this run has come to its end
   write_text(folder / ("parameters-" + hash + ".json"), text);
+  forget_finished();
 
   const std::string part = making.points ? "points" : "fields";
   BatchSummary found = BatchRun(*this, *listing, rows, earlier, hash)

@@ -75,22 +75,36 @@ extern "C" void on_worker_end(int) {
   ::_exit(static_cast<int>(ErrorCode::interrupted));
 }
 
-[[noreturn]] void serve(int socket, const PoolWork& work) {
+// What a worker runs. An exception must not unwind into the pool's functions, which this process has copies of: it ends
+// the process.
+[[noreturn]] void serve(int socket, const PoolWork& work) noexcept {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGTERM, on_worker_end);
 #ifdef __linux__
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a pool that is killed says nothing
 #endif
-  char kind = 0;
-  std::string task;
-  const auto wait_to_be_alone = [&] {
-    std::string ignored;
-    if (!send_message(socket, kAskToBeAlone, "") || !receive_message(socket, kind, ignored)) ::_exit(0);
+  std::deque<std::string> tasks;
+  // Takes the next message; false when the pool has closed its end.
+  const auto listen = [&](char& kind) {
+    std::string text;
+    if (!receive_message(socket, kind, text)) return false;
+    if (kind == kTask) tasks.push_back(std::move(text));
+    return true;
   };
-  while (receive_message(socket, kind, task))
-    if (!send_message(socket, kAnswer, work(task, wait_to_be_alone))) break;
-  ::_exit(0);
+  const auto wait_to_be_alone = [&] {
+    char kind = kTask;
+    if (!send_message(socket, kAskToBeAlone, "")) ::_exit(0);
+    while (kind != kYouAreAlone)
+      if (!listen(kind)) ::_exit(0);
+  };
+  for (;;) {
+    char kind = 0;
+    if (tasks.empty() && !listen(kind)) ::_exit(0);
+    const std::string task = std::move(tasks.front());
+    tasks.pop_front();
+    if (!send_message(socket, kAnswer, work(task, wait_to_be_alone))) ::_exit(0);
+  }
 }
 
 // Whether the process has ended, within the time.

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "batch/content_hash.h"
+#include "cli/json.h"
 #include "cli/text.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
@@ -28,7 +29,8 @@ std::string cut(std::string_view part) {
 
 std::string plain_part(std::string_view part) {
   if (part == "..") return "__";
-  std::string plain = cut(part);
+  // The row names the file, and JSON holds UTF-8 alone: other bytes are replaced.
+  std::string plain = Json::parse(Json(cut(part)).dump(-1, ' ', false, Json::error_handler_t::replace));
   for (char& c : plain)
     if (static_cast<unsigned char>(c) < ' ' || c == 0x7f) c = '_';
   return plain;

@@ -404,6 +404,11 @@ void note_finishing(const std::filesystem::path& target, int file) noexcept {
   finishing.state = kNoted;
 }
 
+void forget_finished() noexcept {
+  int before = kNoted;
+  finishing.state.compare_exchange_strong(before, kFree);
+}
+
 void note_straight(int more) noexcept { straight += more; }
 bool is_writing_straight() noexcept { return straight > 0; }
 

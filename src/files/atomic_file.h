@@ -129,6 +129,9 @@ void forget_unfinished(int slot) noexcept;
 /// step.
 void note_finishing(const std::filesystem::path& target, int file) noexcept;
 
+/// Takes note that what was finished so far is not what a user waits for.
+void forget_finished() noexcept;
+
 /// The name that was noted last if the file, or folder, of that time has it by now: what was written is complete, even
 /// if whoever wrote it has not come to know it. Else null. Async-signal-safe.
 const char* finished_file() noexcept;
