@@ -89,6 +89,7 @@ class BatchRun {
   WorkerPool::Next next(PoolTask& task);
   void ended(std::int64_t number, const TaskEnd& end);
   bool is_wanted(BatchOrder& order) const;
+  void keep(const MeshId& mesh);
 
   const BatchCommand& command_;
   Listing& listing_;
@@ -141,7 +142,7 @@ WorkerPool::Next BatchRun::next(PoolTask& task) {
     summary_.list_hash = content_hash(hash_text(summary_.list_hash) + hash_text(order.mesh.hash));
     if (!command_.shard.has(order.mesh.index)) continue;
     if (!is_wanted(order)) {
-      ++summary_.skipped;
+      keep(order.mesh);
       continue;
     }
     task = {order.mesh.index, order.text(), is_large_file(order.path, command_.making)};
@@ -161,17 +162,21 @@ bool BatchRun::is_wanted(BatchOrder& order) const {
   return true;
 }
 
+// Leaves a mesh with the row that it has.
+void BatchRun::keep(const MeshId& mesh) {
+  ++summary_.skipped;
+  if (const auto row = earlier_.moved_row(mesh.hash, mesh.index)) manifest_.append(*row);
+}
+
 void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
   const auto found = under_way_.find(number);
   const BatchAnswer answer =
       end.kind == TaskEnd::Kind::answered
           ? BatchAnswer::of(end.answer)
           : answer_of_lost(found->second, summary_.parameters, end, command_.timeout_s);
+  const MeshId mesh = std::move(found->second.mesh);
   under_way_.erase(found);
-  if (answer.holds) {
-    ++summary_.skipped;
-    return;
-  }
+  if (answer.holds) return keep(mesh);
   manifest_.append(answer.row);
   ++summary_.counts[answer.code];
   ++rows_;

@@ -128,8 +128,14 @@ void ManifestWriter::fail(int error) const {
 EarlierRows::EarlierRows(const fs::path& manifest, const std::string& parameters) {
   std::error_code ignored;
   if (!fs::exists(manifest, ignored)) return;
-  each_row(manifest, [&](const Json& row, const ManifestLine&) {
-    Row& earlier = rows_[parse_hash(row.at("id").get<std::string>()).value_or(0)];
+  manifest_ = manifest;
+  each_row(manifest, [&](const Json& row, const ManifestLine& line) {
+    const std::uint64_t id = parse_hash(row.at("id").get<std::string>()).value_or(0);
+    Row& earlier = rows_[id];
+    earlier.index = row.at("index").get<std::int64_t>();
+    earlier.offset = line.offset;
+    earlier.length = static_cast<std::uint32_t>(line.text.size());
+    last_at_[earlier.index] = id;
     const Json& hash = row.at("file_hash");
     earlier.file_hash = hash.is_string() ? parse_hash(hash.get<std::string>()).value_or(0) : 0;
     earlier.code = row.at("code").get<std::int16_t>();
@@ -141,6 +147,15 @@ EarlierRows::EarlierRows(const fs::path& manifest, const std::string& parameters
 const EarlierRows::Row* EarlierRows::find(std::uint64_t id) const {
   const auto found = rows_.find(id);
   return found == rows_.end() ? nullptr : &found->second;
+}
+
+std::optional<std::string> EarlierRows::moved_row(std::uint64_t id, std::int64_t index) const {
+  const Row* const row = find(id);
+  if (!row || (row->index == index && last_at_.at(index) == id)) return std::nullopt;
+  const FileView manifest(manifest_, FileView::Access::map);
+  Json json = Json::parse(manifest.text(row->offset, row->length));
+  json["index"] = index;
+  return row_text(json);
 }
 
 Json counts_json(const StatusCounts& counts) {

@@ -68,17 +68,25 @@ class EarlierRows {
   struct Row {
     std::uint64_t file_hash = 0;  ///< 0: unknown
     std::int64_t bytes = 0;       ///< of the output
+    std::int64_t index = 0;       ///< in the list of that run
+    std::uint64_t offset = 0;     ///< in the manifest
+    std::uint32_t length = 0;
     std::int16_t code = 0;
     bool same_parameters = false;
   };
   EarlierRows() = default;
-  /// Reads a manifest; there are no rows where there is none. Takes about 60 bytes for each mesh. Errors: input.
+  /// Reads a manifest; there are no rows where there is none. Takes about 120 bytes for each mesh. Errors: input.
   EarlierRows(const std::filesystem::path& manifest, const std::string& parameters);
 
   const Row* find(std::uint64_t id) const;
+  /// The row of a mesh that is kept, as it must be written again since its place in the list has changed; nothing where
+  /// the row that is there will do. Errors: input.
+  std::optional<std::string> moved_row(std::uint64_t id, std::int64_t index) const;
 
  private:
+  std::filesystem::path manifest_;
   std::unordered_map<std::uint64_t, Row> rows_;
+  std::unordered_map<std::int64_t, std::uint64_t> last_at_;  // the mesh of the last row with that index
 };
 
 /// Counts rows by their codes.

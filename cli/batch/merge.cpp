@@ -87,7 +87,8 @@ std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& s
     const fs::path path = manifest_path(folder, shards[s]);
     each_row(path, [&](const Json& row, const ManifestLine& line) {
       const std::int64_t index = row.at("index");
-      if (index < 0 || index >= listed || !shards[s].has(index))
+      if (index >= listed) return;  // of an earlier, longer list
+      if (index < 0 || !shards[s].has(index))
         throw Error(ErrorCode::input, path.string() + ":line " + std::to_string(line.number) + ": mesh " +
                                           std::to_string(index) + " is not of this shard; run it again with -f");
       places[static_cast<std::size_t>(index)] = {line.offset, static_cast<std::uint32_t>(line.text.size() + 1),

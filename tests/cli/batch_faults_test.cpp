@@ -169,6 +169,31 @@ TEST_F(BatchFaults, ResumeDoesWhatHasChanged) {
   EXPECT_TRUE(done(words("batch list.txt -o out -r 21 -t 2s --resume")).says("4 meshes: 4 ok; in"));
 }
 
+// Rows say where in the list a mesh is, and parts are merged by that: it must be its place in the list of today.
+TEST_F(BatchFaults, ResumesWithAnotherList) {
+  write_meshes(6);
+  const auto run_parts = [&](const char* list) {
+    std::string said;
+    for (const char* part : {"1/2", "2/2"})
+      said += done({"batch", list, "-o", "out", "-r", "20", "--resume", "--shard", part}).err;
+    done(words("batch --merge -o out"));
+    std::string paths;
+    const std::vector<Json> merged = rows();
+    for (std::size_t n = 0; n < merged.size(); ++n) {
+      EXPECT_EQ(merged[n]["index"], n);
+      paths += merged[n]["path"].get<std::string>() + "\n";
+    }
+    EXPECT_EQ(paths, read_bytes(folder / list));
+    return said;
+  };
+  run_parts("list.txt");
+  write("shorter.txt", "mesh-4.obj\nmesh-1.obj\nmesh-0.obj\n");  // 4 and 0 stay in part 1, at other places
+  EXPECT_NE(run_parts("shorter.txt").find("2 were done before"), std::string::npos);
+  write("other.txt", "mesh-2.obj\nmesh-5.obj\nmesh-4.obj\nmesh-3.obj\n");
+  run_parts("other.txt");
+  EXPECT_NE(run_parts("list.txt").find("3 were done before"), std::string::npos);
+}
+
 TEST_F(BatchFaults, RetryTakesFailedMeshesAlone) {
   write_meshes(3);
   write("mesh-1.obj", "no mesh\n");
