@@ -39,11 +39,11 @@ const char* rule_name(WindingRule rule) {
 void FieldOptions::add_work_to(CLI::App& verb) {
   add_devices(verb, "Work", compute.execution.backend, compute.devices);
   add_threads(verb, "Work", compute.execution.threads);
-  add_parsed(verb,
-             {"--memory-limit", "SIZE",
-              "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)",
-              "Work"},
-             [this](S o, S t) { compute.memory_limit = parse_bytes(o, t); });
+  add_parsed(
+      verb,
+      {"--memory-limit", "SIZE",
+       "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)", "Work"},
+      [this](S o, S t) { compute.memory_limit = parse_bytes(o, t); });
 }
 
 void FieldOptions::add_thesis_to(CLI::App& verb) {
@@ -76,9 +76,12 @@ Json FieldOptions::parameters() const {
   const SignOptions& sign = compute.sign;
   Json json;
   json["grid"] = grid_.parameters();
-  json["sign"] = {{"method", find_info(sign.method)->name}, {"rule", rule_name(sign.rule)},
-                  {"invert", sign.invert},                  {"strict", sign.strict},
-                  {"as_oriented", sign.as_oriented},        {"outer", sign.outer}};
+  json["sign"] = {{"method", find_info(sign.method)->name},
+                  {"rule", rule_name(sign.rule)},
+                  {"invert", sign.invert},
+                  {"strict", sign.strict},
+                  {"as_oriented", sign.as_oriented},
+                  {"outer", sign.outer}};
   if (sign.method == SignMethod::shell) json["sign"]["shell"] = thickness_json(shell_);
   json["method"] = find_info(compute.method)->name;
   json["skip"] = {{"rule", static_cast<int>(compute.skip.kind)}, {"fraction", compute.skip.fraction}};

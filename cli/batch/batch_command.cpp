@@ -134,9 +134,12 @@ WorkerPool::Next BatchRun::next(PoolTask& task) {
   // Meshes that are not wanted cost little, but there may be millions of them: signals and answers come in between.
   for (int looked_at = 0; looked_at < 1000; ++looked_at) {
     switch (listing_.next(name)) {
-      case Listing::Next::end: return WorkerPool::Next::end;
-      case Listing::Next::not_yet: return WorkerPool::Next::not_yet;
-      case Listing::Next::mesh: break;
+      case Listing::Next::end:
+        return WorkerPool::Next::end;
+      case Listing::Next::not_yet:
+        return WorkerPool::Next::not_yet;
+      case Listing::Next::mesh:
+        break;
     }
     BatchOrder order{.mesh = MeshId::of(summary_.listed++, name), .path = listing_.path_of(name)};
     summary_.list_hash = content_hash(hash_text(summary_.list_hash) + hash_text(order.mesh.hash));
@@ -170,10 +173,9 @@ void BatchRun::keep(const MeshId& mesh) {
 
 void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
   const auto found = under_way_.find(number);
-  const BatchAnswer answer =
-      end.kind == TaskEnd::Kind::answered
-          ? BatchAnswer::of(end.answer)
-          : answer_of_lost(found->second, summary_.parameters, end, command_.timeout_s);
+  const BatchAnswer answer = end.kind == TaskEnd::Kind::answered
+                                 ? BatchAnswer::of(end.answer)
+                                 : answer_of_lost(found->second, summary_.parameters, end, command_.timeout_s);
   const MeshId mesh = std::move(found->second.mesh);
   under_way_.erase(found);
   if (answer.holds) return keep(mesh);
@@ -202,10 +204,10 @@ void BatchCommand::add_list(CLI::App& verb) {
                   "a file with the path of a mesh on each line, - for standard\ninput, or a folder: all meshes in it "
                   "and below");
   verb.add_flag("-0,--null", zeros, "a zero byte ends each path, as find -print0 writes them")->group("List");
-  add_parsed(verb,
-             {"--shard", "I/N", "only every N-th mesh, from the I-th on (1 to N): for N\nmachines, each with a part",
-              "List"},
-             [this](S o, S t) { shard = parse_shard(o, t); });
+  add_parsed(
+      verb,
+      {"--shard", "I/N", "only every N-th mesh, from the I-th on (1 to N): for N\nmachines, each with a part", "List"},
+      [this](S o, S t) { shard = parse_shard(o, t); });
 }
 
 void BatchCommand::add_run(CLI::App& verb) {
@@ -222,14 +224,17 @@ void BatchCommand::add_run(CLI::App& verb) {
     retry_failed = true;
   });
   verb.add_flag("--merge", merge, "make one manifest of those of all shards; takes no LIST")->group("Output");
-  verb.add_flag("--report", report, "write report.html, with pictures of failed meshes; without\na LIST of earlier runs")
+  verb.add_flag("--report", report,
+                "write report.html, with pictures of failed meshes; without\na LIST of earlier runs")
       ->group("Output");
 }
 
 void BatchCommand::add_result(CLI::App& verb) {
   std::string formats;
   for (const FileFormat& format : field_formats())
-    if (format.writable) formats += (formats.empty() ? "" : ", ") + format.extension + (format.extension == making.extension ? " (default)" : "");
+    if (format.writable)
+      formats +=
+          (formats.empty() ? "" : ", ") + format.extension + (format.extension == making.extension ? " (default)" : "");
   add_parsed(verb, {"--format", "NAME", formats.c_str(), "Result"}, [this](S o, S t) {
     std::vector<std::string> names;
     for (const FileFormat& format : field_formats())
@@ -240,15 +245,15 @@ void BatchCommand::add_result(CLI::App& verb) {
   verb.add_flag("--uncompressed", uncompressed,
                 "write the samples of .vti, .nrrd and .npz as they are: larger\nfiles that are read faster")
       ->group("Result");
-  add_parsed(verb,
-             {"--normalize", "KIND",
-              "move and scale each mesh first: none (default), unit-cube\n(longest side 1) or unit-sphere (radius 1), "
-              "both about the\norigin",
-              "Mesh"},
-             [this](S o, S t) {
-               making.normalization =
-                   static_cast<Normalization>(parse_choice(o, t, {"none", "unit-cube", "unit-sphere"}));
-             });
+  add_parsed(
+      verb,
+      {"--normalize", "KIND",
+       "move and scale each mesh first: none (default), unit-cube\n(longest side 1) or unit-sphere (radius 1), "
+       "both about the\norigin",
+       "Mesh"},
+      [this](S o, S t) {
+        making.normalization = static_cast<Normalization>(parse_choice(o, t, {"none", "unit-cube", "unit-sphere"}));
+      });
   const auto add = [&](const char* name, const char* value, const char* help, auto set) {
     add_parsed(verb, {name, value, help, "Points in place of fields"}, [this, set](S o, S t) {
       point_options_given = true;
@@ -256,13 +261,13 @@ void BatchCommand::add_result(CLI::App& verb) {
     });
   };
   add_parsed(verb,
-             {"--points", "N", "N points with exact distances, in .npz: training data",
-              "Points in place of fields"},
+             {"--points", "N", "N points with exact distances, in .npz: training data", "Points in place of fields"},
              [this](S o, S t) {
                points.count = parse_count(o, t, 1, std::int64_t{1} << 31);
                points_asked = true;
              });
-  add("--near", "SHARE", "of the points that lie near the surface (default 0.8); the\nothers are uniform in the grid's box",
+  add("--near", "SHARE",
+      "of the points that lie near the surface (default 0.8); the\nothers are uniform in the grid's box",
       [this](S o, S t) { points.near_share = parse_share(o, t); });
   add("--sigma", "A,B",
       "deviations of the offsets from the surface, as shares of the\nbox's longest side, by turns (default 0.02,0.005)",
@@ -302,9 +307,9 @@ void BatchCommand::make_folder() const {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder, error))
-    throw Error(ErrorCode::output, folder.string() + ": cannot make the folder: " +
-                                       (error ? error.message() : "a file is in the way") +
-                                       "; give another one with -o, or see to its permissions");
+    throw Error(ErrorCode::output,
+                folder.string() + ": cannot make the folder: " + (error ? error.message() : "a file is in the way") +
+                    "; give another one with -o, or see to its permissions");
 }
 
 BatchSummary BatchCommand::work_through() {
@@ -326,12 +331,13 @@ BatchSummary BatchCommand::work_through() {
   forget_finished();
 
   const std::string part = making.points ? "points" : "fields";
-  BatchSummary found = BatchRun(*this, *listing, rows, earlier, hash)
-                           .run(file_sink(folder, part, making.extension, making.compress));
+  BatchSummary found =
+      BatchRun(*this, *listing, rows, earlier, hash).run(file_sink(folder, part, making.extension, making.compress));
   if (found.listed == 0)
     throw Error(ErrorCode::input, (list == "-" ? "standard input" : list) +
                                       ": there is no mesh in it; give a list with a path on each line, or a folder of "
-                                      "meshes (" + extensions(mesh_formats(), false) + ")");
+                                      "meshes (" +
+                                      extensions(mesh_formats(), false) + ")");
 #ifdef __linux__
   // Results were left to the system, file by file; a batch that has come to its end is on the disk.
   if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());
@@ -347,7 +353,8 @@ void BatchCommand::tell(const BatchSummary& summary, const char* what) const {
   std::string line = manifest + ": " + what + counted(rows, "mesh") + ": " + counts_text(summary.counts);
   if (summary.skipped > 0) line += "; " + grouped(summary.skipped) + " were done before, or are left out";
   if (summary.seconds > 0)
-    line += "; in " + seconds_text(summary.seconds) + ", " + number(static_cast<double>(rows) / summary.seconds) + " a second";
+    line += "; in " + seconds_text(summary.seconds) + ", " + number(static_cast<double>(rows) / summary.seconds) +
+            " a second";
   console.say(line);
 }
 

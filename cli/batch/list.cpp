@@ -148,7 +148,8 @@ class MeshFolder : public Listing {
     if (fs::weakly_canonical(folder, error) == but_) return;
     std::vector<Entry> found;
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-      const std::string entry = name.empty() ? at->path().filename().string() : name + "/" + at->path().filename().string();
+      const std::string entry =
+          name.empty() ? at->path().filename().string() : name + "/" + at->path().filename().string();
       std::error_code ignored;
       if (at->is_directory(ignored) && !at->is_symlink(ignored))
         found.push_back({entry, true});
@@ -169,9 +170,7 @@ class MeshFolder : public Listing {
 
 }  // namespace
 
-std::string Shard::suffix() const {
-  return of == 1 ? "" : "-" + std::to_string(part) + "-of-" + std::to_string(of);
-}
+std::string Shard::suffix() const { return of == 1 ? "" : "-" + std::to_string(part) + "-of-" + std::to_string(of); }
 
 Shard parse_shard(const std::string& option, const std::string& text) {
   constexpr std::int64_t kMostShards = 1'000'000;
@@ -189,8 +188,10 @@ std::unique_ptr<Listing> open_listing(const std::string& name, bool zeros, const
     return std::make_unique<MeshFolder>(name, but);
   }
   if (is_mesh_name(name) || name.starts_with("scene:"))
-    throw Error(ErrorCode::usage, name + ": this is a mesh, and batch takes a list of meshes or a folder; for its "
-                                         "field: standoff compute " + name);
+    throw Error(ErrorCode::usage, name +
+                                      ": this is a mesh, and batch takes a list of meshes or a folder; for its "
+                                      "field: standoff compute " +
+                                      name);
   return std::make_unique<PathList>(name, zeros);
 }
 

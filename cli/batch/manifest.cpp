@@ -96,8 +96,10 @@ ManifestWriter::ManifestWriter(const fs::path& path, Start start) : path_(path) 
   file_ = Descriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (file_.number() < 0) fail(errno);
   if (::flock(file_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw Error(ErrorCode::output, path.string() + ": another standoff batch is writing it; wait for that one, or give "
-                                                   "each of them a part with --shard",
+    throw Error(ErrorCode::output,
+                path.string() +
+                    ": another standoff batch is writing it; wait for that one, or give "
+                    "each of them a part with --shard",
                 {.file = path.string()});
   if (start == Start::go_on) size_ = each_row(path, [](const Json&, const ManifestLine&) {});
   if (::ftruncate(file_.number(), static_cast<off_t>(size_)) != 0) fail(errno);

@@ -37,8 +37,9 @@ std::vector<Shard> shards_in(const fs::path& folder) {
     if (const auto shard = shard_of_name(at->path().filename().string())) found.push_back(*shard);
   if (error) throw Error(ErrorCode::input, folder.string() + ": cannot read the folder: " + error.message());
   if (found.empty())
-    throw Error(ErrorCode::usage, folder.string() + ": there is no manifest of a shard in it, such as "
-                                                    "manifest-1-of-4.jsonl; give the folder that the shards wrote to");
+    throw Error(ErrorCode::usage, folder.string() +
+                                      ": there is no manifest of a shard in it, such as "
+                                      "manifest-1-of-4.jsonl; give the folder that the shards wrote to");
   std::ranges::sort(found, {}, &Shard::part);
   for (const Shard& shard : found)
     if (shard.of != found.front().of)
@@ -60,8 +61,8 @@ struct ShardEnd {
 
 ShardEnd end_of(const fs::path& folder, const Shard& shard) {
   const fs::path path = summary_path(folder, shard);
-  const std::string again = "run --shard " + std::to_string(shard.part) + "/" + std::to_string(shard.of) +
-                            " again with --resume";
+  const std::string again =
+      "run --shard " + std::to_string(shard.part) + "/" + std::to_string(shard.of) + " again with --resume";
   std::error_code ignored;
   if (!fs::exists(path, ignored))
     throw Error(ErrorCode::input, path.string() + ": it is missing, so the shard has not come to its end; " + again);
@@ -112,7 +113,7 @@ BatchSummary merge_shards(const fs::path& folder) {
   const ShardEnd first = end_of(folder, shards.front());
   for (const Shard& shard : shards) {
     const ShardEnd end = end_of(folder, shard);
-    const char* const differs = end.parameters != first.parameters ? "other options"
+    const char* const differs = end.parameters != first.parameters                               ? "other options"
                                 : end.listed != first.listed || end.list_hash != first.list_hash ? "another list"
                                                                                                  : nullptr;
     if (differs)

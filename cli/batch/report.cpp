@@ -121,11 +121,16 @@ void draw_failures(std::vector<Failure>& failures, const ReportOptions& options,
 std::string escaped_html(std::string_view text) {
   std::string safe;
   for (const char c : text) {
-    if (c == '<') safe += "&lt;";
-    else if (c == '>') safe += "&gt;";
-    else if (c == '&') safe += "&amp;";
-    else if (c == '"') safe += "&quot;";
-    else safe += c;
+    if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else if (c == '&')
+      safe += "&amp;";
+    else if (c == '"')
+      safe += "&quot;";
+    else
+      safe += c;
   }
   return safe;
 }
@@ -147,8 +152,8 @@ std::string html_of(const fs::path& folder, const Findings& found) {
   std::int64_t all = 0;
   for (const auto& [code, count] : found.counts) all += count;
   std::string html(kPageBegin);
-  html += "<h1>" + escaped_html(folder.string()) + "</h1>\n<p>" + counted(all, "mesh") + ", " +
-          grouped(found.failed) + " failed.</p>\n<table><tr><th>status<th>exit code<th>meshes</tr>\n";
+  html += "<h1>" + escaped_html(folder.string()) + "</h1>\n<p>" + counted(all, "mesh") + ", " + grouped(found.failed) +
+          " failed.</p>\n<table><tr><th>status<th>exit code<th>meshes</tr>\n";
   for (const auto& [code, count] : found.counts)
     html += "<tr><td>" + std::string(status_name(code)) + "<td class=n>" + std::to_string(code) + "<td class=n>" +
             grouped(count) + "</tr>\n";

@@ -41,7 +41,8 @@ std::string_view stem_of(std::string_view part) {
   for (const std::string_view end : {".gz", ""}) {
     if (!end.empty() && !part.ends_with(end)) continue;
     part.remove_suffix(end.size());
-    if (const auto dot = part.rfind('.'); end.empty() && dot != std::string_view::npos && dot > 0) return part.substr(0, dot);
+    if (const auto dot = part.rfind('.'); end.empty() && dot != std::string_view::npos && dot > 0)
+      return part.substr(0, dot);
   }
   return part;
 }
@@ -73,9 +74,8 @@ class FileSink : public ResultSink {
   }
 
   Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) override {
-    return put_by(mesh, [&](const fs::path& path) {
-      write_training_points(path, points, query, Existing::replace, false);
-    });
+    return put_by(mesh,
+                  [&](const fs::path& path) { write_training_points(path, points, query, Existing::replace, false); });
   }
 
  private:
@@ -88,8 +88,9 @@ class FileSink : public ResultSink {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
     if (error)
-      throw Error(ErrorCode::output, path.parent_path().string() + ": cannot make the folder: " + error.message() +
-                                         "; make room or see to its permissions",
+      throw Error(ErrorCode::output,
+                  path.parent_path().string() + ": cannot make the folder: " + error.message() +
+                      "; make room or see to its permissions",
                   {.file = path.string()});
     write(path);
     struct stat about {};

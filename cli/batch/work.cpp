@@ -86,7 +86,8 @@ Json BatchMaking::parameters() const {
   json["format"] = extension;
   if (!points) json["compress"] = compress;
   if (points)
-    json["points"] = {{"count", points->count}, {"near", points->near_share}, {"sigma", points->sigma}, {"seed", points->seed}};
+    json["points"] = {
+        {"count", points->count}, {"near", points->near_share}, {"sigma", points->sigma}, {"seed", points->seed}};
   return json;
 }
 
@@ -160,7 +161,8 @@ BatchAnswer answer_of_lost(const BatchOrder& order, const std::string& parameter
     message = "it took longer than --timeout " + number(timeout_s) + "; allow more, or take fewer samples";
   } else if (WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGKILL) {
     code = static_cast<int>(ErrorCode::limit);
-    message = how_it_died(end.status) + ", as the system does when memory runs out; give a --memory-limit, or more memory";
+    message =
+        how_it_died(end.status) + ", as the system does when memory runs out; give a --memory-limit, or more memory";
   } else if (WIFEXITED(end.status) && WEXITSTATUS(end.status) != 0) {
     code = WEXITSTATUS(end.status);
     message = how_it_died(end.status) + "; what it said stands among the messages";
@@ -236,9 +238,8 @@ Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
   row["mesh"] = {{"vertices", mesh.vertices.size()},
                  {"triangles", mesh.triangles.size()},
                  {"hash", hash_text(content_hash(MeshView(mesh)))}};
-  row["normalization"] = {{"kind", name_of(making_.normalization)},
-                          {"center", json_point(moved.center)},
-                          {"scale", moved.scale}};
+  row["normalization"] = {
+      {"kind", name_of(making_.normalization)}, {"center", json_point(moved.center)}, {"scale", moved.scale}};
   return mesh;
 }
 
@@ -258,9 +259,8 @@ bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wa
     row["thickness"] = json_number(choice.thickness);
     seconds_["read"] = seconds_since(start);
     begin(mesh, choice, wait_to_be_alone);
-    on_threads(threads_, [&] {
-      making_.points ? make_points(order, mesh, choice, row) : make_field(order, mesh, choice, row);
-    });
+    on_threads(threads_,
+               [&] { making_.points ? make_points(order, mesh, choice, row) : make_field(order, mesh, choice, row); });
   });
   return true;
 }

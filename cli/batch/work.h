@@ -90,7 +90,7 @@ class MeshWork {
   std::shared_ptr<ResultSink> sink_;
   std::string parameters_;
   DistanceField field_;  // kept from one mesh to the next: allocating it anew takes a third of a small field's time
-  Json seconds_;          // of the mesh being worked on
+  Json seconds_;         // of the mesh being worked on
   int threads_ = 1;
   bool alone_ = false;
 };

@@ -33,8 +33,7 @@ std::uint64_t content_hash(std::string_view bytes) {
   };
   std::size_t at = 0;
   for (; bytes.size() - at >= kStep; at += kStep)
-    for (std::size_t c = 0; c < kChains; ++c)
-      mix(c, word_at(bytes, at + 16 * c), word_at(bytes, at + 16 * c + 8));
+    for (std::size_t c = 0; c < kChains; ++c) mix(c, word_at(bytes, at + 16 * c), word_at(bytes, at + 16 * c + 8));
   for (std::size_t c = 0; at < bytes.size(); at += 8, c = (c + 1) % kChains) mix(c, word_at(bytes, at), at);
   std::uint64_t hash = bytes.size();
   for (const std::uint64_t end : chain) hash = splitmix64(hash ^ end);

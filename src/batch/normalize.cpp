@@ -33,9 +33,8 @@ Similarity normalization(MeshView mesh, Normalization kind) {
       kind == Normalization::unit_cube ? std::max({sides.x, sides.y, sides.z}) : farthest_corner(mesh, center);
   const double scale = 1 / extent;
   if (!std::isfinite(scale) || !(extent < std::numeric_limits<double>::infinity()))
-    throw Error(ErrorCode::input,
-                "mesh: its extent is " + std::to_string(extent) +
-                    ", which no scale brings to 1; repair the mesh, or leave its size as it is");
+    throw Error(ErrorCode::input, "mesh: its extent is " + std::to_string(extent) +
+                                      ", which no scale brings to 1; repair the mesh, or leave its size as it is");
   return {center, scale};
 }
 

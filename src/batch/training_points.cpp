@@ -113,7 +113,8 @@ TrainingPoints training_points(const MeshQuery& query, const Box& box, const Tra
   for (std::size_t begin = 0; begin < made.points.size(); begin += kBlock) {
     const std::size_t end = std::min(begin + kBlock, made.points.size());
     points.clear();
-    for (std::size_t n = begin; n < end; ++n) points.push_back({made.points[n][0], made.points[n][1], made.points[n][2]});
+    for (std::size_t n = begin; n < end; ++n)
+      points.push_back({made.points[n][0], made.points[n][1], made.points[n][2]});
     distances.resize(points.size());
     query.distances(points, distances, {.execution = {.threads = threads}});
     for (const double distance : distances) made.distances.push_back(static_cast<float>(distance));

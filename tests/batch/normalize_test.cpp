@@ -41,9 +41,10 @@ TEST(Normalize, NoneMovesNothing) {
 TEST(Normalize, RefusesWhatNoScaleBringsToOne) {
   for (const auto kind : {Normalization::unit_cube, Normalization::unit_sphere}) {
     EXPECT_EQ(code_of([&] { normalization(triangle({1, 1, 1}, {1, 1, 1}, {1, 1, 1}), kind); }), ErrorCode::input);
-    EXPECT_EQ(code_of([&] { normalization(triangle({0, 0, 0}, {1e-320, 0, 0}, {0, 0, 0}), kind); }),
-              ErrorCode::input);
-    EXPECT_EQ(code_of([&] { normalization(triangle({-1e308, 0, 0}, {1e308, 0, 0}, {0, 0, 0}), kind); }),
+    EXPECT_EQ(code_of([&] { normalization(triangle({0, 0, 0}, {1e-320, 0, 0}, {0, 0, 0}), kind); }), ErrorCode::input);
+    EXPECT_EQ(code_of([&] {
+                normalization(triangle({-1e308, 0, 0}, {1e308, 0, 0}, {0, 0, 0}), kind);
+              }),
               ErrorCode::input);
   }
 }

@@ -21,9 +21,7 @@ TrainingPoints points_of(const Mesh& mesh, const TrainingPointOptions& options, 
   return training_points(MeshQuery(mesh), kBox, options, threads);
 }
 
-Vec3 at(const TrainingPoints& made, std::size_t n) {
-  return {made.points[n][0], made.points[n][1], made.points[n][2]};
-}
+Vec3 at(const TrainingPoints& made, std::size_t n) { return {made.points[n][0], made.points[n][1], made.points[n][2]}; }
 
 // Of the points as they are stored, not as they were drawn.
 TEST(TrainingPoints, DistancesAreExact) {
@@ -84,7 +82,8 @@ TEST(TrainingPoints, DependOnMeshBoxAndOptionsAlone) {
 // The same numbers on every machine and in every version: training goes on elsewhere.
 TEST(TrainingPoints, StayWhatTheyAre) {
   const TrainingPoints made = points_of(scenes::make("box"), {.count = 2, .near_share = 0.5, .seed = 7});
-  const std::array<float, 3> near{0x1.515076p-1f, -0x1.8fdde8p-1f, -0x1.85d494p-3f}, uniform{-0x1.fb4882p+0f, -0x1.7ebc8ap+0f, 0x1.11b73cp+0f};
+  const std::array<float, 3> near{0x1.515076p-1f, -0x1.8fdde8p-1f, -0x1.85d494p-3f},
+      uniform{-0x1.fb4882p+0f, -0x1.7ebc8ap+0f, 0x1.11b73cp+0f};
   EXPECT_EQ(made.points[0], near);
   EXPECT_EQ(made.points[1], uniform);
 }

@@ -21,7 +21,8 @@ class BatchTest : public ProgramTest {
     std::ostringstream text;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {size, -size})
-        text << "v " << (axis == 0 ? side : 0) + 3 << ' ' << (axis == 1 ? side : 0) << ' ' << (axis == 2 ? side : 0) << '\n';
+        text << "v " << (axis == 0 ? side : 0) + 3 << ' ' << (axis == 1 ? side : 0) << ' ' << (axis == 2 ? side : 0)
+             << '\n';
     text << "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
     return text.str();
   }

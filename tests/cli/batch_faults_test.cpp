@@ -84,8 +84,9 @@ TEST_F(BatchFaults, AMeshThatEndsItsProcess) {
     const char* status;
     const char* message;
   };
-  for (const Death& test : {Death{SIGKILL, "limit", "ended by signal 9"}, Death{SIGSEGV, "internal", "ended by signal 11"},
-                           Death{SIGABRT, "internal", "ended by signal 6"}}) {
+  for (const Death& test :
+       {Death{SIGKILL, "limit", "ended by signal 9"}, Death{SIGSEGV, "internal", "ended by signal 11"},
+        Death{SIGABRT, "internal", "ended by signal 6"}}) {
     fs::remove_all(folder / "out");
     Process process(words(kRun), setup());
     wait_for_rows(2);
@@ -139,7 +140,8 @@ TEST_F(BatchFaults, ResumesAfterAKill) {
   fs::remove(folder / "pipe.obj");
   write("pipe.obj", octahedron());
 
-  EXPECT_TRUE(done(words(std::string(kRun) + " --resume")).says("4 meshes: 4 ok; 4 were done before")) << run(words(kRun)).err;
+  EXPECT_TRUE(done(words(std::string(kRun) + " --resume")).says("4 meshes: 4 ok; 4 were done before"))
+      << run(words(kRun)).err;
   EXPECT_EQ(rows().size(), 8u);  // no mesh has two
   EXPECT_EQ(last_rows().size(), 8u);
   for (const auto& [file, time] : times) EXPECT_EQ(fs::last_write_time(folder / ("out/" + file)), time) << file;

@@ -97,7 +97,8 @@ TEST_F(Batch, EveryStatus) {
   write("blocked/mesh.obj", octahedron());
   write("out/fields/blocked", "a file where a folder must be");
   write("list.txt", "good.obj\ngarbage.obj\nmissing.obj\nhuge.obj\nopen.obj\nblocked/mesh.obj\nscene:nothing\n");
-  const Ran ran = run(words("batch list.txt -o out --spacing 0.1 -t 3s --sign winding --strict --memory-limit 64M --json"));
+  const Ran ran =
+      run(words("batch list.txt -o out --spacing 0.1 -t 3s --sign winding --strict --memory-limit 64M --json"));
   EXPECT_EQ(ran.code, 3) << ran.err;
   EXPECT_TRUE(ran.says("standoff: error: 6 meshes failed; out/manifest.jsonl says why")) << ran.err;
   auto found = last_rows();
@@ -185,14 +186,22 @@ TEST_F(Batch, FoldersAreWalkedInOrder) {
   for (int n = 0; n < 2; ++n) done(words("batch meshes -o meshes/out -r 20 -j 1 -f"));  // its own results lie below
   std::vector<std::string> paths;
   for (const Json& row : rows("meshes/out/manifest.jsonl")) paths.push_back(row["path"]);
-  EXPECT_EQ(paths, (std::vector<std::string>{"meshes/a/10.OBJ", "meshes/a/2.obj", "meshes/b.obj", "meshes/c/deep/er.obj"}));
+  EXPECT_EQ(paths,
+            (std::vector<std::string>{"meshes/a/10.OBJ", "meshes/a/2.obj", "meshes/b.obj", "meshes/c/deep/er.obj"}));
   EXPECT_TRUE(fs::is_directory(folder / "meshes/out/fields/c/deep"));
 }
 
 TEST_F(Batch, NamesOfAllKinds) {
-  const std::vector<std::string> names{"with space.obj", "line\nend.obj", "tab\t.obj", "\xC3\xA4\xE6\xBC\xA2.obj",
-                                       "no-utf8-\xFF.obj", "#hash.obj", "-dash.obj", "../" + folder.path().filename().string() + "/up.obj",
-                                       (folder / "absolute.obj").string(), std::string(200, 'n') + ".obj"};
+  const std::vector<std::string> names{"with space.obj",
+                                       "line\nend.obj",
+                                       "tab\t.obj",
+                                       "\xC3\xA4\xE6\xBC\xA2.obj",
+                                       "no-utf8-\xFF.obj",
+                                       "#hash.obj",
+                                       "-dash.obj",
+                                       "../" + folder.path().filename().string() + "/up.obj",
+                                       (folder / "absolute.obj").string(),
+                                       std::string(200, 'n') + ".obj"};
   std::string list;
   for (const std::string& name : names) {
     write_bytes(name.starts_with("/") ? fs::path(name) : folder / name, octahedron());
@@ -208,7 +217,8 @@ TEST_F(Batch, NamesOfAllKinds) {
   }
   EXPECT_EQ(ids.size(), names.size());
   EXPECT_EQ(outputs.size(), names.size());
-  for (const auto& [path, bytes] : files("out")) EXPECT_TRUE(path.starts_with("fields/") || path.find('/') == std::string::npos) << path;
+  for (const auto& [path, bytes] : files("out"))
+    EXPECT_TRUE(path.starts_with("fields/") || path.find('/') == std::string::npos) << path;
   EXPECT_EQ(last_rows().at("line\nend.obj")["status"], "ok");
   // Lists of Windows, and the last line without an end.
   write("list.txt", "with space.obj\r\n\r\n#hash.obj");
@@ -298,7 +308,8 @@ TEST_F(Batch, Report) {
   write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_EQ(run(words("batch list.txt -o out -r 20 --sign winding --strict --report")).code, 3);
   const std::string page = read_bytes(folder / "out/report.html");
-  for (const char* part : {"4 meshes, 3 failed", "<td>ok<td class=n>0<td class=n>1", "garbage.obj", "&lt;b&gt;&amp;.obj"})
+  for (const char* part :
+       {"4 meshes, 3 failed", "<td>ok<td class=n>0<td class=n>1", "garbage.obj", "&lt;b&gt;&amp;.obj"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("<b>"), std::string::npos);
   // The open mesh can be read, and so drawn.
