@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/field_cache.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/options.h"
@@ -109,6 +110,7 @@ struct Outcome {
   double write_seconds = 0;
   std::int64_t written_bytes = 0;
   std::optional<SignConfidence> confidence = {};
+  bool cached = false;  ///< it was computed before, and the report is of that time
 };
 
 std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
@@ -217,6 +219,8 @@ void say(const Outcome& outcome, const Console& console) {
   console.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
                  seconds_text(compute) + (sign > 0 ? ", sign " + seconds_text(sign) : "") + ", write " +
                  seconds_text(write) + "; peak memory " + bytes_text(peak_memory_bytes()));
+  if (outcome.cached)
+    return console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + ", computed before");
   console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
               seconds_text(load + prepare + compute + sign + write) + "; " + report.method + " on " + report.backend +
               " (" + report.device + "), " + counted(report.threads, "thread"));
@@ -253,6 +257,7 @@ Json outcome_json(const Outcome& outcome) {
   json["device_name"] = report.device;
   json["threads"] = report.threads;
   json["dry_run"] = false;
+  json["cached"] = outcome.cached;
   json["output"] = {{"file", outcome.plan.output}, {"bytes", outcome.written_bytes}};
   return json;
 }
@@ -275,6 +280,7 @@ struct ComputeCommand {
   Console console;
   bool dry_run = false, uncompressed = false;
   Beside beside;
+  FieldCache cache;
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -283,6 +289,7 @@ struct ComputeCommand {
 
  private:
   FieldWriteOptions write_options() const;
+  Outcome write_or_fetch(const Plan& plan);
   Outcome write_in_slabs(const Plan& plan);
   Outcome write_whole(const Plan& plan);
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& computed) const;
@@ -297,6 +304,7 @@ void ComputeCommand::add_to(CLI::App& verb) {
           "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
       ->group("Output");
   add_uncompressed(verb, uncompressed);
+  cache.add_to(verb, "Output");
   field.add_grid_to(verb);
   mesh.add_scale_to(verb);
 
@@ -331,6 +339,15 @@ void ComputeCommand::run() {
   }
   beside.check(output);
   beside.prepare(options);
+  if (cache.given()) {
+    if (!beside.empty() || confidence_name)
+      throw Error(ErrorCode::usage, "--cache: it keeps distances alone; leave it out, or --with and --confidence");
+    std::error_code ignored;
+    if (const auto status = std::filesystem::status(output.path(), ignored);
+        std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+      throw Error(ErrorCode::usage, "--cache: " + output.path().string() + " is no file that can be kept; leave it out");
+    if (!dry_run) cache.open();
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const auto [loaded, read] = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read_with_report(); });
@@ -347,7 +364,7 @@ void ComputeCommand::run() {
   console.say(grid_line(plan.choice));
 
   if (plan.bytes_beside > 0) check_memory(plan, field);
-  Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  Outcome outcome = cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   std::error_code ignored;  // a pipe has no size
   const auto size = std::filesystem::file_size(output.path(), ignored);
   outcome.written_bytes = ignored ? 0 : static_cast<std::int64_t>(size);
@@ -357,6 +374,23 @@ void ComputeCommand::run() {
 
 FieldWriteOptions ComputeCommand::write_options() const {
   return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
+}
+
+Outcome ComputeCommand::write_or_fetch(const Plan& plan) {
+  const auto start = std::chrono::steady_clock::now();
+  const Json file{{"format", output.format(field_formats()).extension}, {"compress", !uncompressed}};
+  const Json key = FieldCache::key(plan.mesh, field, plan.choice, file);
+  if (const auto report = cache.fetch(key, output.path(), output.existing())) {
+    Outcome outcome{plan, *report, report->provenance.mesh_hash};
+    outcome.write_seconds = seconds_since(start);
+    outcome.cached = true;
+    return outcome;
+  }
+  Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  outcome.report.provenance.mesh_hash = outcome.mesh_hash;
+  const std::string problem = cache.store(key, output.path(), outcome.report);
+  if (!problem.empty()) console.warn(problem);
+  return outcome;
 }
 
 // Computes the field while it is written, so that no more than a slab of it is held.

@@ -195,6 +195,7 @@ void BatchCommand::add_to(CLI::App& verb) {
   making.field.add_work_to(verb);
   add_parsed(verb, {"--timeout", "S", "seconds that a mesh may take (default: any)", "Work"},
              [this](S o, S t) { timeout_s = parse_positive(o, t, 1e9); });
+  making.cache.add_to(verb, "Work");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
   making.field.add_thesis_to(verb);
 }
@@ -291,6 +292,7 @@ void BatchCommand::check() {
   if (force && (resume || retry_failed)) refuse("-f begins anew, and --resume and --retry go on; give one of them");
   if (resume && retry_failed) refuse("--resume and --retry cannot go together; give one of them");
   if (point_options_given && !points_asked) refuse("--near, --sigma and --seed are for points; give --points too");
+  if (points_asked && making.cache.given()) refuse("--cache keeps fields, and --points makes none; leave one out");
   if (points_asked && (format_given || uncompressed))
     refuse("--points are written as .npz; leave --format and --uncompressed out");
   if (points_asked) {
@@ -315,6 +317,7 @@ void BatchCommand::make_folder() const {
 BatchSummary BatchCommand::work_through() {
   const auto listing = open_listing(list, zeros, folder);
   make_folder();
+  if (making.cache.given()) making.cache.open();
   const fs::path manifest = manifest_path(folder, shard), summary = summary_path(folder, shard);
   std::error_code ignored;
   const bool goes_on = resume || retry_failed;

@@ -67,24 +67,8 @@ class FileSink : public ResultSink {
     return ::stat((folder_ / name_of(mesh)).c_str(), &about) == 0 && S_ISREG(about.st_mode) && about.st_size == bytes;
   }
 
-  Placed put(const MeshId& mesh, const DistanceField& field, int threads) override {
-    return put_by(mesh, [&](const fs::path& path) {
-      write_field(path, field, {.compress = compress_, .threads = threads, .sync = false});
-    });
-  }
-
-  Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) override {
-    return put_by(mesh,
-                  [&](const fs::path& path) { write_training_points(path, points, query, Existing::replace, false); });
-  }
-
- private:
-  std::string name_of(const MeshId& mesh) const { return part_ + "/" + output_name(mesh, extension_); }
-
-  template <class Write>
-  Placed put_by(const MeshId& mesh, const Write& write) {
-    Placed placed{name_of(mesh), 0};
-    const fs::path path = folder_ / placed.file;
+  fs::path file_of(const MeshId& mesh) const override {
+    fs::path path = folder_ / name_of(mesh);
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
     if (error)
@@ -92,11 +76,28 @@ class FileSink : public ResultSink {
                   path.parent_path().string() + ": cannot make the folder: " + error.message() +
                       "; make room or see to its permissions",
                   {.file = path.string()});
-    write(path);
-    struct stat about {};
-    if (::stat(path.c_str(), &about) == 0) placed.bytes = about.st_size;
-    return placed;
+    return path;
   }
+
+  Placed placed(const MeshId& mesh) const override {
+    Placed found{name_of(mesh), 0};
+    struct stat about {};
+    if (::stat((folder_ / found.file).c_str(), &about) == 0) found.bytes = about.st_size;
+    return found;
+  }
+
+  Placed put(const MeshId& mesh, const DistanceField& field, int threads) override {
+    write_field(file_of(mesh), field, {.compress = compress_, .threads = threads, .sync = false});
+    return placed(mesh);
+  }
+
+  Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) override {
+    write_training_points(file_of(mesh), points, query, Existing::replace, false);
+    return placed(mesh);
+  }
+
+ private:
+  std::string name_of(const MeshId& mesh) const { return part_ + "/" + output_name(mesh, extension_); }
 
   fs::path folder_;
   std::string part_, extension_;

@@ -34,6 +34,11 @@ class ResultSink {
   virtual ~ResultSink() = default;
   /// Whether a result of so many bytes, which put() once returned, is there.
   virtual bool holds(const MeshId& mesh, std::int64_t bytes) const = 0;
+  /// The file that is to be a mesh's result, in a folder that is there now; empty where results are no files of their
+  /// own. Errors: output.
+  virtual std::filesystem::path file_of(const MeshId& mesh) const = 0;
+  /// Says where it is, once somebody else has put it there.
+  virtual Placed placed(const MeshId& mesh) const = 0;
   /// Puts a result in its place, whole or not at all; another one there is replaced. Errors: output.
   virtual Placed put(const MeshId& mesh, const DistanceField& field, int threads) = 0;
   virtual Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) = 0;

@@ -258,6 +258,7 @@ bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wa
     row["grid"] = json_grid(choice.grid);
     row["thickness"] = json_number(choice.thickness);
     seconds_["read"] = seconds_since(start);
+    if (fetch_field(order, mesh, choice, row)) return;
     begin(mesh, choice, wait_to_be_alone);
     on_threads(threads_,
                [&] { making_.points ? make_points(order, mesh, choice, row) : make_field(order, mesh, choice, row); });
@@ -301,13 +302,38 @@ void MeshWork::make_field(const BatchOrder& order, const Mesh& mesh, const GridC
   options.memory_limit = kNoMemoryLimit;  // it was looked at, and without one the field's memory is used again
   auto start = std::chrono::steady_clock::now();
   const ComputeReport report = compute_into(mesh, choice.grid, choice.thickness, field_, options);
-  row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
-  add_sign_report(row, report.sign);
   seconds_["compute"] = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  const Placed placed = sink_->put(order.mesh, field_, threads_);
-  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
+  sink_->put(order.mesh, field_, threads_);
+  note_field(order, report, row);
+  if (making_.cache.given()) {
+    ComputeReport kept = report;
+    kept.provenance.mesh_hash = field_.provenance().mesh_hash;
+    const std::string problem = making_.cache.store(cache_key_, sink_->file_of(order.mesh), kept);
+    if (!problem.empty()) Console().warn(problem);
+  }
   seconds_["write"] = seconds_since(start);
+}
+
+void MeshWork::note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const {
+  row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
+  add_sign_report(row, report.sign);
+  const Placed placed = sink_->placed(order.mesh);
+  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
+}
+
+// Whether it was computed before.
+bool MeshWork::fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {
+  if (!making_.cache.given()) return false;
+  const auto start = std::chrono::steady_clock::now();
+  const Json file{{"format", making_.extension}, {"compress", making_.compress}};
+  cache_key_ = FieldCache::key(mesh, making_.field, choice, file);
+  const auto report = making_.cache.fetch(cache_key_, sink_->file_of(order.mesh), Existing::replace);
+  row["cached"] = report.has_value();
+  if (!report) return false;
+  note_field(order, *report, row);
+  seconds_["write"] = seconds_since(start);
+  return true;
 }
 
 void MeshWork::make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {

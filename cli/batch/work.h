@@ -13,6 +13,7 @@
 #include "batch/training_points.h"
 #include "cli/batch/pool.h"
 #include "cli/batch/sink.h"
+#include "cli/field_cache.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/json.h"
@@ -28,6 +29,7 @@ struct BatchMaking {
   std::optional<TrainingPointOptions> points;  ///< in place of a field
   std::string extension = "npz";
   bool compress = true;
+  FieldCache cache;
   int workers = 1;  ///< meshes side by side, and threads of one that has the machine alone
 
   /// All that decides a result, by which runs are compared; with the program's version.
@@ -83,6 +85,8 @@ class MeshWork {
   bool still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const;
   Mesh read(const BatchOrder& order, Json& row, bool& holds) const;
   void make_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
+  bool fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
+  void note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const;
   void make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   void begin(const Mesh& mesh, const GridChoice& choice, const std::function<void()>& wait_to_be_alone);
 
@@ -90,7 +94,7 @@ class MeshWork {
   std::shared_ptr<ResultSink> sink_;
   std::string parameters_;
   DistanceField field_;  // kept from one mesh to the next: allocating it anew takes a third of a small field's time
-  Json seconds_;         // of the mesh being worked on
+  Json seconds_, cache_key_;  // of the mesh being worked on
   int threads_ = 1;
   bool alone_ = false;
 };
