@@ -345,7 +345,8 @@ void ComputeCommand::run() {
     std::error_code ignored;
     if (const auto status = std::filesystem::status(output.path(), ignored);
         std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-      throw Error(ErrorCode::usage, "--cache: " + output.path().string() + " is no file that can be kept; leave it out");
+      throw Error(ErrorCode::usage,
+                  "--cache: " + output.path().string() + " is no file that can be kept; leave it out");
     if (!dry_run) cache.open();
   }
 

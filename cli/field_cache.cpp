@@ -82,8 +82,8 @@ fs::path with_extension(fs::path entry, const std::string& extension) { return e
 void link_or_copy(const fs::path& from, const fs::path& to, Existing existing) {
   if (::link(from.c_str(), to.c_str()) == 0) return;
   if (errno == EEXIST && existing == Existing::replace) {
-    const fs::path beside =
-        to.parent_path() / (".standoff-" + std::to_string(::getpid()) + "-" + to.filename().string().substr(0, 100) + ".part");
+    const fs::path beside = to.parent_path() / (".standoff-" + std::to_string(::getpid()) + "-" +
+                                                to.filename().string().substr(0, 100) + ".part");
     ::unlink(beside.c_str());
     if (::link(from.c_str(), beside.c_str()) == 0) {
       const int slot = note_unfinished(beside);
@@ -137,7 +137,8 @@ std::optional<ComputeReport> FieldCache::fetch(const Json& key, const fs::path& 
   std::optional<ComputeReport> report;
   try {
     const Json found = Json::parse(read_text(with_extension(entry, "json")));
-    if (found.at("key") != key || hash_text(file_hash(kept)) != found.at("hash").get<std::string>()) return std::nullopt;
+    if (found.at("key") != key || hash_text(file_hash(kept)) != found.at("hash").get<std::string>())
+      return std::nullopt;
     report = report_of(found.at("report"));
   } catch (const Error&) {
     return std::nullopt;

@@ -66,6 +66,7 @@ def batch(
     shard: tuple[int, int] | None = None,
     resume: bool = False,
     timeout: float | None = None,
+    cache: PathLike | None = None,
     device: str = "auto",
     threads: int = 0,
     memory_limit: int | None = None,
@@ -91,6 +92,7 @@ def batch(
         shard: ``(part, of)``: only every ``of``-th mesh from the ``part``-th on, 1 to ``of``.
         resume: leave out meshes that are done and have not changed. Without it the folder must have no manifest.
         timeout: seconds that a mesh may take.
+        cache: a folder, which many may share, of fields that were computed before: those are not computed again.
         device, threads, memory_limit: as for `field`; so many meshes are worked on side by side.
 
     Raises:
@@ -127,6 +129,7 @@ def batch(
         "--seed": None if seed is None else whole_number(seed, "seed"),
         "--shard": None if shard is None else "{}/{}".format(*(whole_number(n, "shard") for n in shard)),
         "--timeout": None if timeout is None else repr(number(timeout, "timeout")),
+        "--cache": None if cache is None else os.fspath(cache),
         "--device": where,
         "--threads": count or None,
         "--memory-limit": None if limit == 0 else "none" if limit < 0 else limit,
@@ -181,7 +184,9 @@ def _run(
             raise
         output, errors = _text(said), _text(messages)
     if not output or code not in (0, 3):  # 3 with an answer: some meshes have failed
-        raise make(_NAMES.get(code, "internal"), errors.rpartition("standoff: error: ")[2].strip() or f"exit code {code}")
+        raise make(
+            _NAMES.get(code, "internal"), errors.rpartition("standoff: error: ")[2].strip() or f"exit code {code}"
+        )
     part = "" if shard is None or shard[1] == 1 else "-{}-of-{}".format(*shard)
     return BatchResult(folder, os.path.join(folder, f"manifest{part}.jsonl"), json.loads(output))
 

@@ -55,6 +55,8 @@ def test_options_reach_the_program(tmp_path):
     assert row("none", resolution=16, sign=None)["sign"]["method"] == ""
     shell = row("shell", resolution=16, sign=so.Sign("shell", shell=0.5), normalize="unit-sphere")
     assert shell["sign"]["method"] == "shell" and shell["normalization"]["kind"] == "unit-sphere"
+    assert row("kept", resolution=16, cache=tmp_path / "cache")["cached"] is False
+    assert row("again", resolution=16, cache=tmp_path / "cache")["cached"] is True
     made = row("points", points=100, near=1.0, sigma=(0.0, 0.0), seed=3)
     stored = np.load(tmp_path / "points" / made["output"]["file"])
     assert stored["points"].shape == (100, 3) and np.abs(stored["distances"]).max() < 1e-6

@@ -472,13 +472,10 @@ std::uint32_t RunDeflater::adler32() const {
 
 std::uint32_t RunDeflater::crc32(const CrcRuns& runs) const {
   std::uint32_t crc = 0;
-  each_token(
-      [&](std::span<const std::byte> bytes) {
-        crc = crc_of(crc, bytes.data(), bytes.size());
-      },
-      [&](std::span<const std::byte> element, std::uint32_t run) {
-        crc = runs.of_run(crc, element, run / element.size());
-      });
+  each_token([&](std::span<const std::byte> bytes) { crc = crc_of(crc, bytes.data(), bytes.size()); },
+             [&](std::span<const std::byte> element, std::uint32_t run) {
+               crc = runs.of_run(crc, element, run / element.size());
+             });
   return crc;
 }
 

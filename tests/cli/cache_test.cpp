@@ -75,9 +75,12 @@ TEST_F(Cache, ADamagedEntryIsMadeAgain) {
   fs::remove(folder / "a.npz");  // it is a second name of the entry
   std::string damaged = made;
   damaged[damaged.size() / 2] ^= 1;
-  for (const auto& [extension, bytes] :
-       {std::pair{".npz", damaged}, {".npz", made.substr(0, 100)}, {".npz", std::string()}, {".json", std::string("{")},
-        {".json", std::string("{\"key\":1}")}, {".json", std::string()}}) {
+  for (const auto& [extension, bytes] : {std::pair{".npz", damaged},
+                                         {".npz", made.substr(0, 100)},
+                                         {".npz", std::string()},
+                                         {".json", std::string("{")},
+                                         {".json", std::string("{\"key\":1}")},
+                                         {".json", std::string()}}) {
     write_bytes(entry(extension), bytes);
     EXPECT_FALSE(cached("-r 24")) << extension << " of " << bytes.size() << " bytes";
     EXPECT_EQ(read_bytes(folder / "a.npz"), made);
