@@ -107,6 +107,7 @@ BatchSummary BatchRun::run(std::unique_ptr<ResultSink> sink) {
                   [work](const std::string& order, const std::function<void()>& wait_to_be_alone) {
                     return work->make(BatchOrder::of(order), wait_to_be_alone).text();
                   });
+  pool.keep_from_workers(manifest_.descriptor());
   const auto bar = command_.console.progress();
   std::string shown;
   WorkerPool::Caller caller;

@@ -53,6 +53,8 @@ class ManifestWriter {
   /// Appends a row that row_text() made. When it returns, no end of this process takes the row away. Errors: output;
   /// then the file ends with a whole row, unless that cannot be seen to either.
   void append(const std::string& row);
+  /// The open file, whose lock lasts until all that have it open close it.
+  int descriptor() const { return file_.number(); }
 
  private:
   [[noreturn]] void fail(int error) const;

@@ -70,9 +70,10 @@ bool receive_message(int socket, char& kind, std::string& text) {
 }
 
 // Its pool ends a worker by this. The terminal's interrupt goes to the workers too, who leave the answer to the pool.
-extern "C" void on_worker_end(int) {
+extern "C" void on_worker_end(int signal) {
   remove_unfinished_files();
-  ::_exit(static_cast<int>(ErrorCode::interrupted));
+  std::signal(signal, SIG_DFL);
+  ::kill(::getpid(), signal);
 }
 
 // What a worker runs. An exception must not unwind into the pool's functions, which this process has copies of: it ends
@@ -163,6 +164,7 @@ void WorkerPool::start(Worker& worker) {
     for (const Worker& other : workers_)
       if (other.socket >= 0) ::close(other.socket);
     ::close(ends[0]);
+    if (own_ >= 0) ::close(own_);
     serve(ends[1], work_);
   }
   ::close(ends[1]);

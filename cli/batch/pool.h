@@ -47,6 +47,10 @@ class WorkerPool {
   /// Ends the workers, those with a task too.
   ~WorkerPool();
 
+  /// Workers close this open file: what is locked by it is locked no longer than this process lives. Call it before
+  /// run().
+  void keep_from_workers(int descriptor) { own_ = descriptor; }
+
   enum class Next { task, not_yet, end };
   struct Caller {
     std::function<Next(PoolTask&)> next;                      ///< sets the next task
@@ -94,6 +98,7 @@ class WorkerPool {
 
   double timeout_s_;
   PoolWork work_;
+  int own_ = -1;
   std::vector<Worker> workers_;
   std::deque<PoolTask> held_;  // to be given before others: what waits to begin alone, or stood behind a lost task
   bool one_is_alone_ = false;

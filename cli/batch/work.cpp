@@ -74,6 +74,18 @@ std::string how_it_died(int status) {
   return "its process was ended by signal " + std::to_string(signal) + (name ? " (" + std::string(name) + ")" : "");
 }
 
+// Errors of a mesh name no file; all that goes into rows and messages shall.
+template <class Work>
+void naming(const std::string& path, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    const bool named = error.code() == ErrorCode::output || message.starts_with(path);
+    throw Error(error.code(), named ? message : path + ": " + message, error.details());
+  }
+}
+
 }  // namespace
 
 Json BatchMaking::parameters() const {
@@ -159,7 +171,7 @@ BatchAnswer answer_of_lost(const BatchOrder& order, const std::string& parameter
   if (end.kind == TaskEnd::Kind::timed_out) {
     code = static_cast<int>(ErrorCode::limit);
     message = "it took longer than --timeout " + number(timeout_s) + "; allow more, or take fewer samples";
-  } else if (WIFSIGNALED(end.status) && WTERMSIG(end.status) == SIGKILL) {
+  } else if (WIFSIGNALED(end.status) && (WTERMSIG(end.status) == SIGKILL || WTERMSIG(end.status) == SIGTERM)) {
     code = static_cast<int>(ErrorCode::limit);
     message =
         how_it_died(end.status) + ", as the system does when memory runs out; give a --memory-limit, or more memory";
@@ -186,6 +198,7 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
   const auto start = std::chrono::steady_clock::now();
   Json row = row_of(order, parameters_);
   seconds_ = Json::object();
+  waited_s_ = 0;
   const auto fail = [&](ErrorCode code, const std::string& message) {
     set_status(row, static_cast<int>(code), message);
     field_ = {};
@@ -201,7 +214,7 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
     fail(ErrorCode::internal,
          order.path + ": internal: " + error.what() + "; this is a bug in standoff, please report it");
   }
-  seconds_["total"] = seconds_since(start);
+  seconds_["total"] = seconds_since(start) - waited_s_;
   row["seconds"] = seconds_;
   if (alone_) field_ = {};  // what a large one took is not held through thousands of small ones
   return {.holds = false, .code = row["code"].get<int>(), .row = row_text(row)};
@@ -210,18 +223,6 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
 bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {
   if (file_hash != 0) row["file_hash"] = hash_text(file_hash);
   return file_hash != 0 && file_hash == order.earlier_hash && sink_->holds(order.mesh, order.earlier_bytes);
-}
-
-// Errors of a mesh name no file; all that goes into rows and messages shall.
-template <class Work>
-void naming(const std::string& path, const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    const bool named = error.code() == ErrorCode::output || message.starts_with(path);
-    throw Error(error.code(), named ? message : path + ": " + message, error.details());
-  }
 }
 
 Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
@@ -291,7 +292,11 @@ void MeshWork::begin(const Mesh& mesh, const GridChoice& choice, const std::func
   const bool large = static_cast<std::int64_t>(mesh.triangles.size()) > kAloneTriangles || samples > kAloneSamples ||
                      needed > limit / making_.workers;
   if (!large && !alone_) return;
-  if (!alone_) wait_to_be_alone();
+  if (!alone_) {
+    const auto start = std::chrono::steady_clock::now();
+    wait_to_be_alone();
+    waited_s_ = seconds_since(start);
+  }
   alone_ = true;
   threads_ = making_.workers;
 }

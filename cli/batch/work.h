@@ -95,6 +95,7 @@ class MeshWork {
   std::string parameters_;
   DistanceField field_;  // kept from one mesh to the next: allocating it anew takes a third of a small field's time
   Json seconds_, cache_key_;  // of the mesh being worked on
+  double waited_s_ = 0;       // to be alone
   int threads_ = 1;
   bool alone_ = false;
 };

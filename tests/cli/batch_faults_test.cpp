@@ -85,8 +85,8 @@ TEST_F(BatchFaults, AMeshThatEndsItsProcess) {
     const char* message;
   };
   for (const Death& test :
-       {Death{SIGKILL, "limit", "ended by signal 9"}, Death{SIGSEGV, "internal", "ended by signal 11"},
-        Death{SIGABRT, "internal", "ended by signal 6"}}) {
+       {Death{SIGKILL, "limit", "ended by signal 9"}, Death{SIGTERM, "limit", "ended by signal 15"},
+        Death{SIGSEGV, "internal", "ended by signal 11"}, Death{SIGABRT, "internal", "ended by signal 6"}}) {
     fs::remove_all(folder / "out");
     Process process(words(kRun), setup());
     wait_for_rows(2);
@@ -120,6 +120,7 @@ TEST_F(BatchFaults, AMeshWithoutMemory) {
 
 TEST_F(BatchFaults, ResumesAfterAKill) {
   write_meshes_and_a_pipe(4, 3);
+  write("empty.txt", "\n");
   pid_t worker = 0;
   {
     Process process(words(kRun), setup());
@@ -129,7 +130,9 @@ TEST_F(BatchFaults, ResumesAfterAKill) {
     process.send(SIGKILL);
     EXPECT_EQ(process.wait().code, 128 + SIGKILL);
   }
-  wait_until([&] { return !is_running(worker); });  // no worker outlives its pool
+  // It left no lock, whatever its worker still does; and no worker outlives its pool for long.
+  EXPECT_EQ(run(words("batch empty.txt -o out -r 20 --resume")).code, 3);
+  wait_until([&] { return !is_running(worker); });
   ASSERT_EQ(rows().size(), 4u);
   EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
   std::map<std::string, fs::file_time_type> times;
