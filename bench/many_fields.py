@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""many_fields.py LIBRARY COUNT: bands of 64 samples of COUNT meshes of 1,000 to 20,000 triangles, from files, on all cores; one
-JSON line. LIBRARY is standoff, with its own fields(), or open3d, in a pool of processes with one thread each. Returns 3 if
-this Python lacks it."""
+"""many_fields.py LIBRARY COUNT [FOLDER]: bands of 64 samples of COUNT meshes of 1,000 to 20,000 triangles, from files, on all
+cores; one JSON line. LIBRARY is standoff, with its own fields(), or open3d, in a pool of processes with one thread each. The
+meshes are made, or are those that batch.py has made in FOLDER. Returns 3 if this Python lacks the library."""
 
 import json
 import multiprocessing
@@ -35,14 +35,14 @@ def bumpy_ball(rng, rows):
     return points, np.concatenate([f.reshape(-1, 3) for f in faces])
 
 
-def write_meshes(folder, count):
-    """OBJ, PLY and STL files in turns; the same for every library."""
+def write_meshes(folder, count, formats=("obj", "ply", "stl")):
+    """Files of these formats in turns; the same for every library."""
     rng = np.random.default_rng(1)
     paths, triangles = [], 0
     for n in range(count):
         vertices, faces = bumpy_ball(rng, int(rng.integers(17, 72)))
         triangles += len(faces)
-        path = Path(folder) / f"{n}.{('obj', 'ply', 'stl')[n % 3]}"
+        path = Path(folder) / f"{n}.{formats[n % len(formats)]}"
         write(path, vertices, faces)
         paths.append(str(path))
     return paths, triangles
@@ -61,11 +61,30 @@ def write(path, vertices, faces):
             rows = np.empty(len(faces), dtype=[("n", "u1"), ("v", "<i4", 3)])
             rows["n"], rows["v"] = 3, faces
             file.write(rows.tobytes())
+        elif path.suffix == ".glb":
+            file.write(glb(vertices.astype("<f4"), faces.astype("<u4")))
         else:
             file.write(b"\0" * 80 + np.uint32(len(faces)).tobytes())
             rows = np.zeros(len(faces), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
             rows["corners"] = vertices[faces]
             file.write(rows.tobytes())
+
+
+def glb(vertices, faces):
+    """Binary glTF of one mesh; its indices come first."""
+    indices, positions = faces.tobytes(), vertices.tobytes()
+    text = json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 1}, "indices": 0}]}],
+                       "buffers": [{"byteLength": len(indices) + len(positions)}],
+                       "bufferViews": [{"buffer": 0, "byteLength": len(indices)},
+                                       {"buffer": 0, "byteOffset": len(indices), "byteLength": len(positions)}],
+                       "accessors": [{"bufferView": 0, "componentType": 5125, "count": faces.size, "type": "SCALAR"},
+                                     {"bufferView": 1, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                                      "min": vertices.min(axis=0).tolist(), "max": vertices.max(axis=0).tolist()}]})
+    chunks = b""
+    for kind, data in ((b"JSON", text.encode() + b" " * (-len(text) % 4)), (b"BIN\0", indices + positions)):
+        chunks += np.uint32(len(data)).tobytes() + kind + data
+    return b"glTF" + np.uint32([2, 12 + len(chunks)]).tobytes() + chunks
 
 
 def with_standoff(paths):
@@ -110,7 +129,11 @@ def main():
     except ImportError:
         return 3
     with tempfile.TemporaryDirectory() as folder:
-        paths, triangles = write_meshes(folder, count)
+        if len(sys.argv) > 3:
+            listing = json.loads(Path(sys.argv[3], "meshes.json").read_text())
+            paths, triangles = listing["paths"][:count], listing["triangles"]
+        else:
+            paths, triangles = write_meshes(folder, count)
         began, before = time.perf_counter(), os.times()
         inside = {"standoff": with_standoff, "open3d": with_open3d}[library](paths)
         share = len(inside) / count

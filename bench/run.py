@@ -17,6 +17,7 @@
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
+  run.py batch           many small meshes from files to files; with --peers beside Open3D (STANDOFF_PEER_PYTHON)
   run.py methods         families of distance field algorithms: exactness, signs, time, memory (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of CSV files, written again
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, with fields that are computed at each step, what
@@ -47,7 +48,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "sidecars", "render", "python", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "sidecars", "render", "python", "batch", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -57,7 +58,7 @@ def main():
     parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet")
     parser.add_argument("--unstopped", action="store_true", help="methods: not again what was stopped at this limit")
     parser.add_argument("--limit", type=float, help="methods: processor seconds after which a call is stopped")
-    parser.add_argument("--count", type=int, help="of points, instead of what the workload says")
+    parser.add_argument("--count", type=int, help="of points or meshes, instead of what the workload says")
     parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
     arguments = parser.parse_args()
@@ -67,7 +68,7 @@ def main():
     if arguments.list:
         kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
         kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"], workloads["render"]["pictures"]]
-        kinds += [workloads["python"]["fields"]]
+        kinds += [workloads["python"]["fields"], workloads["batch"]["jobs"]]
         kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
@@ -76,6 +77,9 @@ def main():
         return quotes.write()
     if arguments.what == "python":  # needs numpy
         return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
+    if arguments.what == "batch":  # needs numpy
+        return importlib.import_module("batch").run(workloads["batch"], arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note,
+                                                    arguments.count)
     if arguments.what == "methods":  # needs numpy
         if not drivers.has("exact"):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench methods")

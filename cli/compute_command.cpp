@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/field_cache.h"
+#include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
@@ -31,15 +33,6 @@
 
 namespace standoff::cli {
 namespace {
-
-// "tiles (default): exact; thesis: ..".
-std::string methods_text() {
-  std::string text;
-  for (const MethodInfo& info : kComputeMethods)
-    text += (text.empty() ? "" : "; ") + std::string(info.name) +
-            (info.method == ComputeOptions{}.method ? " (default)" : "") + ": " + info.what;
-  return wrapped(text, kHelpColumns);
-}
 
 class Beside {
  public:
@@ -122,6 +115,7 @@ struct Outcome {
   double write_seconds = 0;
   std::int64_t written_bytes = 0;
   std::optional<SignConfidence> confidence = {};
+  bool cached = false;  ///< it was computed before, and the report is of that time
 };
 
 std::int64_t tile_count(Size3 samples) { return DistanceField::tiles_of(samples).count(); }
@@ -188,16 +182,11 @@ std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
   return plan.in_slabs ? found.slabs : with_beside(found.whole, found.stored_samples);
 }
 
-// The memory limit in bytes; the largest number where there is none.
-std::int64_t limit_of(const ComputeOptions& options) {
-  const std::int64_t limit = options.memory_limit == 0 ? default_memory_limit() : options.memory_limit;
-  return limit < 0 ? std::numeric_limits<std::int64_t>::max() : limit;
-}
-
 // What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
-void tell(const Plan& plan, const ComputeOptions& options, const Console& console) {
+void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
+  const ComputeOptions& options = field.compute;
   const Grid grid = plan.grid();
-  const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options);
+  const std::int64_t needed = memory_needed(plan, options), limit = field.memory_limit();
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
   const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
@@ -226,8 +215,8 @@ void tell(const Plan& plan, const ComputeOptions& options, const Console& consol
 }
 
 // Errors: limit. Of a field without sidecars the computation says the same.
-void check_memory(const Plan& plan, const ComputeOptions& options) {
-  if (const std::int64_t needed = memory_needed(plan, options), limit = limit_of(options); needed > limit)
+void check_memory(const Plan& plan, const FieldOptions& field) {
+  if (const std::int64_t needed = memory_needed(plan, field.compute), limit = field.memory_limit(); needed > limit)
     throw Error(ErrorCode::limit,
                 "compute: the field and what stands beside it may need " + bytes_text(needed) +
                     ", more than the limit of " + bytes_text(limit) +
@@ -254,6 +243,8 @@ void say(const Outcome& outcome, const Console& console) {
   console.detail("load " + seconds_text(load) + ", prepare " + seconds_text(prepare) + ", compute " +
                  seconds_text(compute) + (sign > 0 ? ", sign " + seconds_text(sign) : "") + ", write " +
                  seconds_text(write) + "; peak memory " + bytes_text(peak_memory_bytes()));
+  if (outcome.cached)
+    return console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + ", computed before");
   console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
               seconds_text(load + prepare + compute + sign + write) + "; " + report.method + " on " + report.backend +
               " (" + report.device + "), " + counted(report.threads, "thread"));
@@ -290,6 +281,7 @@ Json outcome_json(const Outcome& outcome) {
   json["device_name"] = report.device;
   json["threads"] = report.threads;
   json["dry_run"] = false;
+  json["cached"] = outcome.cached;
   json["output"] = {{"file", outcome.plan.output}, {"bytes", outcome.written_bytes}};
   return json;
 }
@@ -307,13 +299,13 @@ constexpr const char* kComputeExamples =
 struct ComputeCommand {
   MeshInput mesh;
   FileOutput output;
-  GridOptions grid;
-  ComputeOptions options;
+  FieldOptions field;
+  ComputeOptions& options = field.compute;
   Console console;
-  Thickness shell{0};  // of --sign shell
   std::optional<WindowText> window;
   bool dry_run = false, uncompressed = false;
   Beside beside;
+  FieldCache cache;
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -321,22 +313,13 @@ struct ComputeCommand {
   void run();
 
  private:
-  GridChoice choose_grid(const Box& box);
   FieldWriteOptions write_options() const;
+  Outcome write_or_fetch(const Plan& plan);
   Outcome write_in_slabs(const Plan& plan);
   ComputeResult compute_window(const Plan& plan);
   Outcome write_whole(const Plan& plan);
-  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& field) const;
+  SignConfidence write_confidence(const Mesh& loaded, const DistanceField& computed) const;
 };
-
-// Beyond this the padding of the box or the squares of distances would be infinite.
-void check_extent(const std::string& name, const Box& box) {
-  for (const Vec3 corner : {box.min, box.max})
-    for (const double c : {corner.x, corner.y, corner.z})
-      if (std::abs(c) > kMaxCoordinate)
-        throw Error(ErrorCode::input, name + ": a coordinate of " + number(c) +
-                                          ", too far out for a grid; repair the mesh, or scale it down with --scale");
-}
 
 void ComputeCommand::add_to(CLI::App& verb) {
   mesh.add_to(verb);
@@ -347,7 +330,8 @@ void ComputeCommand::add_to(CLI::App& verb) {
           "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
       ->group("Output");
   add_uncompressed(verb, uncompressed);
-  grid.add_to(verb);
+  cache.add_to(verb, "Output");
+  field.add_grid_to(verb);
   add_parsed(
       verb,
       {"--window", "I,J,K,NX,NY,NZ",
@@ -357,44 +341,22 @@ void ComputeCommand::add_to(CLI::App& verb) {
       [this](S o, S t) { window = parse_window(o, t); });
   mesh.add_scale_to(verb);
 
-  const auto add = [&verb](const char* name, const char* value, const char* help, auto set,
-                           const char* group = "Work") {
+  const auto add = [&verb](const char* name, const char* value, const char* help, const char* group, auto set) {
     add_parsed(verb, {name, value, help, group}, set);
   };
   add("--with", "WHAT,..",
       "store for each sample as well (docs/sidecars.md): nearest, the\nnearest triangle's index (or triangle), "
       "closest,\n"
       "barycentric, feature, gradient; several with commas between",
-      [this](S o, S t) { beside.add(o, t); });
-  add_sign(verb, options.sign, shell);
-  add(
-      "--confidence", "FIELD",
+      "Work", [this](S o, S t) { beside.add(o, t); });
+  field.add_sign_to(verb);
+  add("--confidence", "FIELD",
       "also write how far each sample's winding number is from the\nnext odd half, 0 to 0.5, and say how sure the sign "
       "is",
-      [this](S, S t) { confidence_name = t; }, "Sign");
-  add_devices(verb, "Work", options.execution.backend, options.devices);
-  add_threads(verb, "Work", options.execution.threads);
-  add("--memory-limit", "SIZE",
-      "most memory for the field and its making, as in 500M or 8G,\nor none (default: 80 % of the machine's)",
-      [this](S o, S t) { options.memory_limit = parse_bytes(o, t); });
+      "Sign", [this](S, S t) { confidence_name = t; });
+  field.add_work_to(verb);
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
-  add(
-      "--method", "NAME", methods_text().c_str(), [this](S o, S t) { options.method = parse_method(o, t); },
-      kThesisGroup);
-  add(
-      "--skip", "RULE",
-      "leave triangles out first: none, neighbour[:FRACTION] or\nexact (default: none; thesis: neighbour:1)",
-      [this](S o, S t) { options.skip = parse_skip(o, t); }, kThesisGroup);
-  grid.add_thesis_to(verb);
-}
-
-// The grid is one around the solid: a shell reaches beyond the mesh. Sets the shell's thickness in world units.
-GridChoice ComputeCommand::choose_grid(const Box& box) {
-  if (options.sign.method != SignMethod::shell) return grid.choose(box);
-  const double spacing = shell.in_samples ? grid.choose(box).grid.max_spacing() : 1;
-  GridChoice choice = grid.choose(box.grown(shell.world(spacing) / 2));
-  options.sign.shell = shell.world(choice.grid.max_spacing());
-  return choice;
+  field.add_thesis_to(verb);
 }
 
 void ComputeCommand::run() {
@@ -410,26 +372,38 @@ void ComputeCommand::run() {
   }
   beside.check(output);
   beside.prepare(options);
+  if (cache.given() && output.format(field_formats()).folder)
+    throw Error(ErrorCode::usage, "--cache keeps files, and " + output.path().string() +
+                                      " is a folder; write a file, or leave the cache out");
+  if (cache.given()) {
+    if (!beside.empty() || confidence_name)
+      throw Error(ErrorCode::usage, "--cache: it keeps distances alone; leave it out, or --with and --confidence");
+    std::error_code ignored;
+    if (const auto status = std::filesystem::status(output.path(), ignored);
+        std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+      throw Error(ErrorCode::usage,
+                  "--cache: " + output.path().string() + " is no file that can be kept; leave it out");
+    if (!dry_run) cache.open();
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const auto [loaded, read] = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read_with_report(); });
   validate(loaded);
-  const Box box = bounds(loaded);
-  check_extent(mesh.name(), box);
-  Plan plan{mesh.name(), loaded, choose_grid(box), window, output.path().string(), output.in_the_way()};
+  Plan plan{mesh.name(), loaded, field.choose_grid(mesh.name(), bounds(loaded)), window, output.path().string(),
+            output.in_the_way()};
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
   plan.folder = output.format(field_formats()).folder;
   plan.bytes_beside = beside.bytes_per_sample();
-  if (dry_run) return tell(plan, options, console);
+  if (dry_run) return tell(plan, field, console);
   console.say(mesh_line(mesh.name(), loaded));
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
   if (plan.window) console.say(window_line(plan));
 
-  if (plan.bytes_beside > 0) check_memory(plan, options);
-  Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  if (plan.bytes_beside > 0) check_memory(plan, field);
+  Outcome outcome = cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   outcome.written_bytes = written_bytes(output.path());
   say(outcome, console);
   if (console.json()) print(outcome_json(outcome), output.path());
@@ -437,6 +411,24 @@ void ComputeCommand::run() {
 
 FieldWriteOptions ComputeCommand::write_options() const {
   return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
+}
+
+Outcome ComputeCommand::write_or_fetch(const Plan& plan) {
+  const auto start = std::chrono::steady_clock::now();
+  Json file{{"format", output.format(field_formats()).extension}, {"compress", !uncompressed}};
+  if (window) file["window"] = {json_size(window->first), json_size(window->size)};
+  const Json key = FieldCache::key(plan.mesh, field, plan.choice, file);
+  if (const auto report = cache.fetch(key, output.path(), output.existing())) {
+    Outcome outcome{plan, *report, report->provenance.mesh_hash};
+    outcome.write_seconds = seconds_since(start);
+    outcome.cached = true;
+    return outcome;
+  }
+  Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  outcome.report.provenance.mesh_hash = outcome.mesh_hash;
+  const std::string problem = cache.store(key, output.path(), outcome.report);
+  if (!problem.empty()) console.warn(problem);
+  return outcome;
 }
 
 // Computes the field while it is written, so that no more than a slab of it is held.
@@ -502,12 +494,12 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
   return outcome;
 }
 
-SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& field) const {
+SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const DistanceField& computed) const {
   return with_spinner(console, "writing " + confidence.path().string(), [&] {
     const ConfidenceOptions asked{.sign = options.sign, .execution = {options.execution.threads}};
-    const std::vector<float> margins = winding_margins(loaded, field.grid(), asked);
-    write_field(confidence.path(), DistanceField::from_dense(field.grid(), 0.5, margins), write_options());
-    return sign_confidence(loaded, field, margins, asked);
+    const std::vector<float> margins = winding_margins(loaded, computed.grid(), asked);
+    write_field(confidence.path(), DistanceField::from_dense(computed.grid(), 0.5, margins), write_options());
+    return sign_confidence(loaded, computed, margins, asked);
   });
 }
 

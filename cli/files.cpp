@@ -120,7 +120,7 @@ MeshReadResult MeshInput::read_with_report() const {
     throw Error(ErrorCode::input, name_ + ": this is a query, for points; give the mesh it was built from");
   if (kind_of(name_) == FileKind::field)
     throw Error(ErrorCode::input, name_ + ": this is a field; give the mesh it was computed from");
-  const double scale = scale_ ? *scale_ : unit_.value_or(1);
+  const double scale = this->scale();
   if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
   const SceneName scene = parse_scene(name_);
   Mesh mesh = scenes::make(scene.name, scene.triangles);

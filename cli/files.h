@@ -50,6 +50,8 @@ class MeshInput {
   void add_scale_to(CLI::App& verb);
 
   bool scaled() const { return scale_ || unit_; }
+  /// What coordinates are multiplied by.
+  double scale() const { return scale_ ? *scale_ : unit_.value_or(1); }
   const std::string& name() const { return name_; }
   /// Returns the mesh's name without folder and extension.
   std::string stem() const;

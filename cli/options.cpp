@@ -136,6 +136,29 @@ std::string grid_line(const GridChoice& choice) {
   return "grid " + size_text(choice.grid.size) + ", spacing " + spacing_text(choice.grid.spacing) + ", " + band;
 }
 
+Json thickness_json(const Thickness& thickness) {
+  if (thickness.infinite()) return nullptr;
+  return {{"value", thickness.value}, {"in_samples", thickness.in_samples}};
+}
+
+Json GridOptions::parameters() const {
+  Json json;
+  if (minimum_) {
+    json["minimum"] = *minimum_;
+    json["speed"] = speed_;
+  } else if (spacing_) {
+    json["spacing"] = json_point(*spacing_);
+  } else if (size_) {
+    json["size"] = json_size(*size_);
+  } else {
+    json["resolution"] = samples_;
+  }
+  if (bounds_) json["bounds"] = json_box(*bounds_);
+  if (padding_) json["padding"] = *padding_;
+  json["thickness"] = thickness_json(thickness_);
+  return json;
+}
+
 GridChoice GridOptions::choose(const Box& mesh) const {
   if (minimum_) {
     if (thickness_.in_samples || thickness_.infinite())

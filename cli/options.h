@@ -51,6 +51,9 @@ void add_uncompressed(CLI::App& verb, bool& uncompressed);
 /// Adds -j.
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
 
+/// A thickness as it was given; null: infinite.
+Json thickness_json(const Thickness& thickness);
+
 /// A grid, and the thickness in world units.
 struct GridChoice {
   Grid grid;
@@ -74,6 +77,9 @@ class GridOptions {
 
   /// Adds --minimum and --speed, which exclude some of those. Call after it.
   void add_thesis_to(CLI::App& verb);
+
+  /// What was chosen, whatever was left to a default, for programs that compare.
+  Json parameters() const;
 
   /// The grid for a mesh with the given bounds. Errors: usage.
   GridChoice choose(const Box& mesh) const;

@@ -27,7 +27,7 @@ std::string grouped(std::int64_t n) {
 std::string counted(std::int64_t n, const std::string& noun) {
   if (n == 1) return "1 " + noun;
   if (noun.ends_with("ex")) return grouped(n) + " " + noun.substr(0, noun.size() - 2) + "ices";
-  return grouped(n) + " " + noun + "s";
+  return grouped(n) + " " + noun + (noun.ends_with("sh") ? "es" : "s");
 }
 
 std::string number(double value) { return formatted("%.6g", value); }

@@ -23,6 +23,7 @@ void parse(CLI::App& program, int argc, char** argv);
 /// The table of verbs, in the order of the help: ROW(x) is the verb that add_x() adds to the program, in a file here.
 #define STANDOFF_VERBS(ROW) \
   ROW(compute)              \
+  ROW(batch)                \
   ROW(info)                 \
   ROW(slice)                \
   ROW(render)               \

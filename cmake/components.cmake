@@ -74,6 +74,9 @@ standoff_component(field FILES ${STANDOFF_FIELD_FILES} gpu/${STANDOFF_CUDA_FILES
                    points/cuda/${STANDOFF_CUDA_FILES} WITHOUT /thesis/algorithm_2
                    LIBRARIES ${STANDOFF_CUDA_RUNTIME})
 
+# What programs that go through many meshes share.
+standoff_component(batch FILES batch/*.cpp)
+
 # Surfaces out of fields and meshes.
 standoff_component(surface FILES surface/*.cpp)
 

@@ -113,6 +113,9 @@ struct FieldWriteOptions {
   /// Arrays to write beside the distances, each with the numbers of every stored tile of the field.
   std::span<const Sidecar> sidecars = {};
   int threads = 0;  ///< that compress; 0: as many as the machine has. The file has the same bytes for any number
+  /// Whether to wait until the bytes are on the disk, so that a loss of power does not take the file away. Takes
+  /// milliseconds; false, where many files are written and missing ones are made again.
+  bool sync = true;
   ProgressCallback progress = {};
 };
 

@@ -11,6 +11,7 @@ Example::
     so.distance(mesh, points)                          # exact, at arbitrary points
 """
 
+from ._batch import BatchResult, batch
 from ._bodies import (
     CONTAINMENTS,
     NO_TRIANGLE,
@@ -56,6 +57,7 @@ __all__ = [
     "CONTAINMENTS",
     "FEATURES",
     "NO_TRIANGLE",
+    "BatchResult",
     "Body",
     "Check",
     "ClosestPoints",
@@ -89,6 +91,7 @@ __all__ = [
     "UsageError",
     "VerifyError",
     "__version__",
+    "batch",
     "collide",
     "contacts",
     "devices",

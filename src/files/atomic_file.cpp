@@ -199,7 +199,7 @@ void AtomicFile::append(const char* data, std::size_t bytes) {
 void AtomicFile::commit() {
   flush();
   if (kind_ != Kind::straight) {
-    sync(file_);
+    if (waits_for_disk_) sync(file_);
     note_finishing(shown_, file_);
   }
   if (kind_ == Kind::unnamed) link_unnamed();
@@ -209,7 +209,7 @@ void AtomicFile::commit() {
     return;
   }
   if (unfinished_ != target_) take_name();
-  sync_folder();
+  if (waits_for_disk_) sync_folder();
   unfinished_.clear();
   forget_unfinished(slot_);
   slot_ = -1;
@@ -421,6 +421,11 @@ void note_finishing(const std::filesystem::path& target, int file) noexcept {
   finishing.device = about.st_dev;
   finishing.number = about.st_ino;
   finishing.state = kNoted;
+}
+
+void forget_finished() noexcept {
+  int before = kNoted;
+  finishing.state.compare_exchange_strong(before, kFree);
 }
 
 void note_straight(int more) noexcept { straight += more; }

@@ -43,6 +43,9 @@ class AtomicFile {
   void watched_by(ProgressMeter& waiting) { waiting_ = &waiting; }
   /// Throws if so: for work between the bytes, from any thread.
   void check() const;
+  /// The system may write the bytes to the disk when it likes: commit() takes microseconds then. The file still appears
+  /// whole or not at all for every process; after a loss of power it may be there without its bytes.
+  void leave_to_system() { waits_for_disk_ = false; }
   /// The target as the caller gave it, for messages.
   const std::filesystem::path& target() const { return shown_; }
   /// Appends bytes, through a buffer when they are few.
@@ -84,6 +87,7 @@ class AtomicFile {
   int slot_ = -1;  // in the table of unfinished files
   std::uint64_t size_ = 0;
   bool noted_straight_ = false;
+  bool waits_for_disk_ = true;
   ProgressMeter* waiting_ = nullptr;
   std::unique_ptr<char[]> buffer_;
   std::size_t buffered_ = 0;
@@ -136,6 +140,9 @@ void remove_folder(const char* name) noexcept;
 /// Takes note that the file `file` (an open descriptor, or a folder's) is about to get the name `target`, its last
 /// step.
 void note_finishing(const std::filesystem::path& target, int file) noexcept;
+
+/// Takes note that what was finished so far is not what a user waits for.
+void forget_finished() noexcept;
 
 /// The name that was noted last if the file, or folder, of that time has it by now: what was written is complete, even
 /// if whoever wrote it has not come to know it. Else null. Async-signal-safe.

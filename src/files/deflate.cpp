@@ -42,8 +42,39 @@ std::uint32_t shift_by(std::uint64_t bytes) {
   return power;
 }
 
+// Table k: the CRC of a byte with k zero bytes behind it (Kounavis and Berry, "Novel table lookup-based algorithms for
+// high-performance CRC generation", 2008).
+constexpr auto kCrcTables = [] {
+  std::array<std::array<std::uint32_t, 256>, 8> tables{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    std::uint32_t crc = byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (0xEDB88320 & (0u - (crc & 1)));
+    tables[0][byte] = crc;
+  }
+  for (std::size_t k = 1; k < tables.size(); ++k)
+    for (std::size_t byte = 0; byte < 256; ++byte)
+      tables[k][byte] = (tables[k - 1][byte] >> 8) ^ tables[0][tables[k - 1][byte] & 0xFF];
+  return tables;
+}();
+
+// From here on zlib is faster. It takes byte by byte what is shorter than 47 bytes, as most literals between runs are.
+constexpr std::size_t kLongForCrc = 512;
+
 std::uint32_t crc_of(std::uint32_t before, const void* bytes, std::size_t count) {
-  return static_cast<std::uint32_t>(::crc32_z(before, static_cast<const Bytef*>(bytes), count));
+  const auto* at = static_cast<const unsigned char*>(bytes);
+  if (count >= kLongForCrc) return static_cast<std::uint32_t>(::crc32_z(before, at, count));
+  std::uint32_t crc = ~before;
+  const auto& t = kCrcTables;
+  for (; count >= 8; count -= 8, at += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, at, sizeof word);
+    word ^= crc;
+    const auto byte = [word](int n) { return (word >> (8 * n)) & 0xFF; };
+    crc = t[7][byte(0)] ^ t[6][byte(1)] ^ t[5][byte(2)] ^ t[4][byte(3)] ^  //
+          t[3][byte(4)] ^ t[2][byte(5)] ^ t[1][byte(6)] ^ t[0][byte(7)];
+  }
+  for (; count > 0; --count, ++at) crc = (crc >> 8) ^ t[0][(crc ^ *at) & 0xFF];
+  return ~crc;
 }
 
 }  // namespace
@@ -441,13 +472,10 @@ std::uint32_t RunDeflater::adler32() const {
 
 std::uint32_t RunDeflater::crc32(const CrcRuns& runs) const {
   std::uint32_t crc = 0;
-  each_token(
-      [&](std::span<const std::byte> bytes) {
-        crc = static_cast<std::uint32_t>(::crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-      },
-      [&](std::span<const std::byte> element, std::uint32_t run) {
-        crc = runs.of_run(crc, element, run / element.size());
-      });
+  each_token([&](std::span<const std::byte> bytes) { crc = crc_of(crc, bytes.data(), bytes.size()); },
+             [&](std::span<const std::byte> element, std::uint32_t run) {
+               crc = runs.of_run(crc, element, run / element.size());
+             });
   return crc;
 }
 

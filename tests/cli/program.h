@@ -90,6 +90,7 @@ class Process {
   }
 
   void send(int signal) const { ::kill(pid_, signal); }
+  pid_t pid() const { return pid_; }
   void close_out() { close_end(out_[0]); }
 
   /// Reads until stderr holds the words or ends; false in the latter case.

@@ -162,18 +162,18 @@ TEST_F(Sign, StrictRefusesWhereItDoubts) {
 }
 
 TEST_F(Sign, PairsThatContradictEachOther) {
-  struct Case {
+  struct Pair {
     const char* options;
     const char* message;
   };
   for (const auto& [options, message] : {
-           Case{"--sign none --invert", "cannot be inverted"},
-           Case{"--sign none --strict", "strict"},
-           Case{"--sign parity --rule odd", "winding rule"},
-           Case{"--sign flood --rule nonzero", "winding rule"},
-           Case{"--sign none --rule odd", "winding rule"},
-           Case{"--sign wind", "--sign 'wind': give "},
-           Case{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
+           Pair{"--sign none --invert", "cannot be inverted"},
+           Pair{"--sign none --strict", "strict"},
+           Pair{"--sign parity --rule odd", "winding rule"},
+           Pair{"--sign flood --rule nonzero", "winding rule"},
+           Pair{"--sign none --rule odd", "winding rule"},
+           Pair{"--sign wind", "--sign 'wind': give "},
+           Pair{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
        }) {
     const Ran ran = run(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)));
     EXPECT_EQ(ran.code, 2) << options << "\n" << ran.err;

@@ -44,6 +44,7 @@ TYPES = {
     "size": lambda value: is_list(value, 3, is_integer),
     "box": lambda value: is_list(value, 2, TYPES["point"]),
     "grid": lambda value: is_object(value, size="size", origin="point", spacing="point"),
+    "object": lambda value: isinstance(value, dict),
     "output": lambda value: is_object(value, file="string", bytes="integer"),
     "check": lambda value: is_object(value, sample="size", position="point", stored="number or null",
                                      expected="number or null", error="number or null", allowed="number or null"),

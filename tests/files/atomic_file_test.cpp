@@ -309,6 +309,17 @@ TEST(UnfinishedFiles, AreRemovedByASignalHandlerAndNeverCommitted) {
   EXPECT_EQ(read_bytes(folder / "a"), "old");
 }
 
+TEST(FinishedFile, IsTheLastOneUnlessItIsForgotten) {
+  const TempFolder folder;
+  write_text(folder / "a", "text");
+  ASSERT_NE(finished_file(), nullptr);
+  EXPECT_EQ(std::string(finished_file()), (folder / "a").string());
+  forget_finished();
+  EXPECT_EQ(finished_file(), nullptr);
+  write_text(folder / "b", "text");
+  EXPECT_EQ(std::string(finished_file()), (folder / "b").string());
+}
+
 TEST(UnfinishedFiles, AreRemovedWhileNotedAndNotOtherwise) {
   const TempFolder folder;
   for (const char* name : {"noted", "forgotten", "other"}) write_bytes(folder / name, "text");

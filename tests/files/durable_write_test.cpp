@@ -95,6 +95,21 @@ TEST_P(DurableWrite, WaitsOnAfterASignalAndTakesWhatCannotSync) {
   }
 }
 
+// Of thousands of files that are made again where one is missing, none is waited for; each appears whole all the same.
+TEST_P(DurableWrite, IsLeftToTheSystemWhereTheCallerSaysSo) {
+  for (const bool replaces : {false, true}) {
+    if (replaces) folder.file("target", "before");
+    synced.clear();
+    AtomicFile file(target, Existing::replace, GetParam());
+    file.leave_to_system();
+    file.write("content", 7);
+    EXPECT_EQ(std::filesystem::exists(target), replaces);
+    file.commit();
+    EXPECT_TRUE(synced.empty());
+    EXPECT_EQ(read_bytes(target), "content");
+  }
+}
+
 TEST(DurablePipe, IsNotSynced) {
   synced.clear();
   AtomicFile file("/dev/null");

@@ -78,6 +78,7 @@ void write(const std::filesystem::path& path, const FieldFormat& format, const F
   if (format.folder) return format.folder->write(path, source, options, meter);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);
+  if (!options.sync) file.leave_to_system();
   format.write(file, source, options);
   meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
   file.commit();

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/batch/work.h"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <system_error>
+
+#include "batch/content_hash.h"
+#include "batch/on_threads.h"
+#include "cli/batch/manifest.h"
+#include "cli/text.h"
+#include "standoff/compute.h"
+#include "standoff/error.h"
+#include "standoff/memory.h"
+#include "standoff/version.h"
+
+namespace standoff::cli {
+namespace {
+
+constexpr std::int64_t kAloneTriangles = 1'000'000, kAloneSamples = std::int64_t{1} << 24;
+constexpr std::int64_t kLargeFile = std::int64_t{256} << 20;
+
+const char* name_of(Normalization kind) {
+  return kind == Normalization::none ? "none" : kind == Normalization::unit_cube ? "unit-cube" : "unit-sphere";
+}
+
+// glTF has its numbers in files beside it, so that its own bytes say little: the mesh stands for it.
+bool has_companions(const std::string& path) { return path.ends_with(".gltf") || path.ends_with(".gltf.gz"); }
+
+// The hash by which a later run tells whether the file is the same; 0: it cannot be told.
+std::uint64_t hash_of_source(const std::string& path) {
+  if (path.starts_with("scene:")) return content_hash(std::string_view(path));
+  return file_hash(path);
+}
+
+// Numbers and texts one after the other; both ends are one program.
+class Packed {
+ public:
+  Packed() = default;
+  explicit Packed(const std::string& text) : text_(text) {}
+  void put(std::int64_t value) { text_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+  void put(const std::string& value) {
+    put(static_cast<std::int64_t>(value.size()));
+    text_ += value;
+  }
+  std::int64_t number() {
+    std::int64_t value = 0;
+    std::memcpy(&value, text_.data() + at_, sizeof value);
+    at_ += sizeof value;
+    return value;
+  }
+  std::string text() {
+    const auto size = static_cast<std::size_t>(number());
+    return text_.substr(std::exchange(at_, at_ + size), size);
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+  std::size_t at_ = 0;
+};
+
+std::string how_it_died(int status) {
+  if (WIFEXITED(status)) return "its process ended with exit code " + std::to_string(WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  const char* const name = ::strsignal(signal);
+  return "its process was ended by signal " + std::to_string(signal) + (name ? " (" + std::string(name) + ")" : "");
+}
+
+// Errors of a mesh name no file; all that goes into rows and messages shall.
+template <class Work>
+void naming(const std::string& path, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    const bool named = error.code() == ErrorCode::output || message.starts_with(path);
+    throw Error(error.code(), named ? message : path + ": " + message, error.details());
+  }
+}
+
+}  // namespace
+
+Json BatchMaking::parameters() const {
+  Json json;
+  json["version"] = version();
+  json["making"] = points ? "points" : "field";
+  json["scale"] = mesh.scale();
+  json["normalize"] = name_of(normalization);
+  json.update(field.parameters());
+  json["format"] = extension;
+  if (!points) json["compress"] = compress;
+  if (points)
+    json["points"] = {
+        {"count", points->count}, {"near", points->near_share}, {"sigma", points->sigma}, {"seed", points->seed}};
+  return json;
+}
+
+std::string BatchOrder::text() const {
+  Packed packed;
+  packed.put(mesh.index);
+  packed.put(mesh.name);
+  packed.put(static_cast<std::int64_t>(mesh.hash));
+  packed.put(path);
+  packed.put(static_cast<std::int64_t>(earlier_hash));
+  packed.put(earlier_bytes);
+  return packed.take();
+}
+
+BatchOrder BatchOrder::of(const std::string& text) {
+  Packed packed(text);
+  BatchOrder order;
+  order.mesh.index = packed.number();
+  order.mesh.name = packed.text();
+  order.mesh.hash = static_cast<std::uint64_t>(packed.number());
+  order.path = packed.text();
+  order.earlier_hash = static_cast<std::uint64_t>(packed.number());
+  order.earlier_bytes = packed.number();
+  return order;
+}
+
+std::string BatchAnswer::text() const {
+  Packed packed;
+  packed.put(std::int64_t{holds});
+  packed.put(std::int64_t{code});
+  packed.put(row);
+  return packed.take();
+}
+
+BatchAnswer BatchAnswer::of(const std::string& text) {
+  Packed packed(text);
+  BatchAnswer answer;
+  answer.holds = packed.number() != 0;
+  answer.code = static_cast<int>(packed.number());
+  answer.row = packed.text();
+  return answer;
+}
+
+Json row_of(const BatchOrder& order, const std::string& parameters) {
+  Json row;
+  row["index"] = order.mesh.index;
+  row["path"] = order.path;
+  row["id"] = hash_text(order.mesh.hash);
+  row["status"] = "";
+  row["code"] = 0;
+  row["message"] = "";
+  row["file_hash"] = nullptr;
+  row["parameters"] = parameters;
+  row["output"] = nullptr;
+  return row;
+}
+
+void set_status(Json& row, int code, const std::string& message) {
+  row["code"] = code;
+  row["status"] = status_name(code);
+  row["message"] = message;
+}
+
+BatchAnswer answer_of_lost(const BatchOrder& order, const std::string& parameters, const TaskEnd& end,
+                           double timeout_s) {
+  Json row = row_of(order, parameters);
+  int code = static_cast<int>(ErrorCode::internal);
+  std::string message;
+  if (end.kind == TaskEnd::Kind::timed_out) {
+    code = static_cast<int>(ErrorCode::limit);
+    message = "it took longer than --timeout " + number(timeout_s) + "; allow more, or take fewer samples";
+  } else if (WIFSIGNALED(end.status) && (WTERMSIG(end.status) == SIGKILL || WTERMSIG(end.status) == SIGTERM)) {
+    code = static_cast<int>(ErrorCode::limit);
+    message =
+        how_it_died(end.status) + ", as the system does when memory runs out; give a --memory-limit, or more memory";
+  } else if (WIFEXITED(end.status) && WEXITSTATUS(end.status) != 0) {
+    code = WEXITSTATUS(end.status);
+    message = how_it_died(end.status) + "; what it said stands among the messages";
+  } else {
+    message = how_it_died(end.status) + "; this is a bug in standoff, please report it with the mesh";
+  }
+  set_status(row, code, order.path + ": " + message);
+  row["seconds"] = {{"total", end.seconds}};
+  return {.holds = false, .code = code, .row = row_text(row)};
+}
+
+bool is_large_file(const std::string& path, const BatchMaking& making) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  // In memory a mesh takes a few times its file, a packed one more.
+  const std::int64_t share = making.field.memory_limit() / making.workers / 16;
+  return !error && static_cast<std::int64_t>(bytes) > std::min(kLargeFile, share);
+}
+
+BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>& wait_to_be_alone) {
+  const auto start = std::chrono::steady_clock::now();
+  Json row = row_of(order, parameters_);
+  seconds_ = Json::object();
+  waited_s_ = 0;
+  const auto fail = [&](ErrorCode code, const std::string& message) {
+    set_status(row, static_cast<int>(code), message);
+    field_ = {};
+  };
+  set_status(row, 0, "");
+  try {
+    if (!make_row(order, wait_to_be_alone, row)) return {.holds = true, .code = 0, .row = ""};
+  } catch (const Error& error) {
+    fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    fail(ErrorCode::limit, order.path + ": not enough memory; take fewer samples, or provide more memory");
+  } catch (const std::exception& error) {
+    fail(ErrorCode::internal,
+         order.path + ": internal: " + error.what() + "; this is a bug in standoff, please report it");
+  }
+  seconds_["total"] = seconds_since(start) - waited_s_;
+  row["seconds"] = seconds_;
+  if (alone_) field_ = {};  // what a large one took is not held through thousands of small ones
+  return {.holds = false, .code = row["code"].get<int>(), .row = row_text(row)};
+}
+
+bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {
+  if (file_hash != 0) row["file_hash"] = hash_text(file_hash);
+  return file_hash != 0 && file_hash == order.earlier_hash && sink_->holds(order.mesh, order.earlier_bytes);
+}
+
+Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
+  MeshInput input = making_.mesh;
+  input.set_name(order.path);
+  Mesh mesh = input.read();
+  validate(mesh);
+  if (has_companions(order.path) && still_holds(order, content_hash(MeshView(mesh)), row)) {
+    holds = true;
+    return mesh;
+  }
+  const Similarity moved = normalization(mesh, making_.normalization);
+  if (making_.normalization != Normalization::none) apply(moved, mesh);
+  row["mesh"] = {{"vertices", mesh.vertices.size()},
+                 {"triangles", mesh.triangles.size()},
+                 {"hash", hash_text(content_hash(MeshView(mesh)))}};
+  row["normalization"] = {
+      {"kind", name_of(making_.normalization)}, {"center", json_point(moved.center)}, {"scale", moved.scale}};
+  return mesh;
+}
+
+bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wait_to_be_alone, Json& row) {
+  alone_ = is_large_file(order.path, making_);
+  threads_ = alone_ ? making_.workers : 1;
+  check_input(order.path);
+  if (!has_companions(order.path) && still_holds(order, hash_of_source(order.path), row)) return false;
+  const auto start = std::chrono::steady_clock::now();
+  Mesh mesh;
+  bool holds = false;
+  naming(order.path, [&] { on_threads(threads_, [&] { mesh = read(order, row, holds); }); });
+  if (holds) return false;
+  naming(order.path, [&] {
+    const GridChoice choice = making_.field.choose_grid(order.path, bounds(mesh));
+    row["grid"] = json_grid(choice.grid);
+    row["thickness"] = json_number(choice.thickness);
+    seconds_["read"] = seconds_since(start);
+    if (fetch_field(order, mesh, choice, row)) return;
+    begin(mesh, choice, wait_to_be_alone);
+    on_threads(threads_,
+               [&] { making_.points ? make_points(order, mesh, choice, row) : make_field(order, mesh, choice, row); });
+  });
+  return true;
+}
+
+// Decides how the mesh is worked on, and waits until that may begin. Errors: limit.
+void MeshWork::begin(const Mesh& mesh, const GridChoice& choice, const std::function<void()>& wait_to_be_alone) {
+  const ComputeOptions& options = making_.field.compute;
+  std::int64_t samples = 0, needed = 0;
+  if (making_.points) {
+    samples = making_.points->count;
+    // The query's hierarchy and prepared triangles, the mesh's copy; a point as it is drawn, asked and stored.
+    needed = 400 * static_cast<std::int64_t>(mesh.triangles.size()) + 16 * samples + (std::int64_t{16} << 20);
+  } else {
+    on_threads(threads_, [&] {
+      const MemoryEstimate found = estimate(mesh, choice.grid, choice.thickness, options);
+      samples = found.stored_samples;
+      needed = found.whole;
+    });
+  }
+  const std::int64_t limit = making_.field.memory_limit();
+  if (needed > limit)
+    throw Error(ErrorCode::limit,
+                std::string("the ") + (making_.points ? "points" : "field") + " and the making may need " +
+                    bytes_text(needed) + ", more than the limit of " + bytes_text(limit) +
+                    "; take fewer samples, a smaller thickness, or a larger --memory-limit",
+                {.bytes_needed = needed, .bytes_limit = limit});
+  const bool large = static_cast<std::int64_t>(mesh.triangles.size()) > kAloneTriangles || samples > kAloneSamples ||
+                     needed > limit / making_.workers;
+  if (!large && !alone_) return;
+  if (!alone_) {
+    const auto start = std::chrono::steady_clock::now();
+    wait_to_be_alone();
+    waited_s_ = seconds_since(start);
+  }
+  alone_ = true;
+  threads_ = making_.workers;
+}
+
+void MeshWork::make_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {
+  ComputeOptions options = making_.field.compute;
+  options.execution.threads = threads_;
+  options.memory_limit = kNoMemoryLimit;  // it was looked at, and without one the field's memory is used again
+  auto start = std::chrono::steady_clock::now();
+  const ComputeReport report = compute_into(mesh, choice.grid, choice.thickness, field_, options);
+  seconds_["compute"] = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  sink_->put(order.mesh, field_, threads_);
+  note_field(order, report, row);
+  if (making_.cache.given()) {
+    ComputeReport kept = report;
+    kept.provenance.mesh_hash = field_.provenance().mesh_hash;
+    const std::string problem = making_.cache.store(cache_key_, sink_->file_of(order.mesh), kept);
+    if (!problem.empty()) Console().warn(problem);
+  }
+  seconds_["write"] = seconds_since(start);
+}
+
+void MeshWork::note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const {
+  row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
+  add_sign_report(row, report.sign);
+  const Placed placed = sink_->placed(order.mesh);
+  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
+}
+
+// Whether it was computed before.
+bool MeshWork::fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {
+  if (!making_.cache.given()) return false;
+  const auto start = std::chrono::steady_clock::now();
+  const Json file{{"format", making_.extension}, {"compress", making_.compress}};
+  cache_key_ = FieldCache::key(mesh, making_.field, choice, file);
+  const auto report = making_.cache.fetch(cache_key_, sink_->file_of(order.mesh), Existing::replace);
+  row["cached"] = report.has_value();
+  if (!report) return false;
+  note_field(order, *report, row);
+  seconds_["write"] = seconds_since(start);
+  return true;
+}
+
+void MeshWork::make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {
+  auto start = std::chrono::steady_clock::now();
+  const MeshQuery query(mesh, {making_.field.compute.sign, {.threads = threads_}});
+  const TrainingPoints made = training_points(query, choice.grid.bounds(), *making_.points, threads_);
+  row["points"] = making_.points->count;
+  add_sign_report(row, query.sign());
+  seconds_["compute"] = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  const Placed placed = sink_->put(order.mesh, made, query);
+  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
+  seconds_["write"] = seconds_since(start);
+}
+
+}  // namespace standoff::cli

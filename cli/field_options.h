@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of a field, which verbs that compute fields share: its grid, sign, method, and where the work runs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "cli/json.h"
+#include "cli/options.h"
+#include "standoff/compute.h"
+
+namespace standoff::cli {
+
+class FieldOptions {
+ public:
+  /// All but ComputeOptions::progress and SignOptions::shell, which choose_grid() sets.
+  ComputeOptions compute;
+
+  // In this order in the help; the options of the verb's own stand between.
+  /// Adds the grid and the thickness.
+  void add_grid_to(CLI::App& verb) { grid_.add_to(verb); }
+  /// Adds --sign and what goes with it.
+  void add_sign_to(CLI::App& verb) { add_sign(verb, compute.sign, shell_); }
+  /// Adds --device, -j and --memory-limit.
+  void add_work_to(CLI::App& verb);
+  /// Adds --method, --skip and the thesis's grids. Call it last.
+  void add_thesis_to(CLI::App& verb);
+
+  /// The grid for a mesh with those bounds, and the thickness of its band. Sets the shell's thickness in world units.
+  /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
+  GridChoice choose_grid(const std::string& name, const Box& box);
+
+  /// The memory limit in bytes; the largest number where there is none.
+  std::int64_t memory_limit() const;
+
+  /// All that decides the values of a field, whatever was left to a default, for programs that compare. Where the work
+  /// runs, and on how many threads, decides none.
+  Json parameters() const;
+
+ private:
+  GridOptions grid_;
+  Thickness shell_{0};  // of --sign shell
+};
+
+}  // namespace standoff::cli
