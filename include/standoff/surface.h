@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -82,6 +83,16 @@ struct SurfaceResult {
 /// Errors: usage (options; a value that is not within the field's thickness), input (a value that is not a number),
 /// limit (memory; more than 2^32 - 2 vertices; coordinates), interrupted.
 STANDOFF_API SurfaceResult surface(const DistanceField& field, const SurfaceOptions& options = {});
+
+/// Reads `count` slices of a field from slice `first` on: the field of that window of its grid.
+using SliceReader = std::function<DistanceField(std::int64_t first, std::int64_t count)>;
+
+/// The same of a field that is read some slices at a time, so that it may be larger than memory: by marching cubes
+/// without a wall, with the same bits. Memory is that of the slices read at a time, which are of about `slice_samples`
+/// samples and 16 slices more, and of the surface. Errors: as above, what `read` throws, and usage where it returns
+/// other slices.
+STANDOFF_API SurfaceResult surface(const Grid& grid, double thickness, const SliceReader& read,
+                                   const SurfaceOptions& options = {}, std::int64_t slice_samples = kSlabSamples);
 
 /// The same from a mesh: computes the field that is needed, of the mesh on this grid. `dual` takes its normals from the
 /// mesh: sharp edges and corners come back.

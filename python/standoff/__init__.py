@@ -50,6 +50,8 @@ from ._page import Page
 from ._picture import Picture
 from ._points import FEATURES, ClosestPoints, MeshQuery, distance
 from ._report import Check, Component, Report, report, verify
+from ._stored import StoredField
+from ._stored import open_store as open
 from ._surface import surface
 from ._windows import FieldWindows
 
@@ -86,6 +88,7 @@ __all__ = [
     "Sign",
     "SignReport",
     "SignWarning",
+    "StoredField",
     "SurfaceWarning",
     "Sweeps",
     "UsageError",
@@ -100,6 +103,7 @@ __all__ = [
     "field",
     "fields",
     "load",
+    "open",
     "read",
     "report",
     "surface",

@@ -157,14 +157,18 @@ class Target:
         """The store's metadata; of a store that is no folder, of a copy that has no samples."""
         if self.is_folder:
             return _core.open_store(Path(self.url))
-        files = self.files()
         with tempfile.TemporaryDirectory() as folder:
-            for key in ("zarr.json", f"{ARRAY}/zarr.json", "nearest/zarr.json"):
-                data = files.get(key)
-                if data is not None:
-                    (Path(folder) / key).parent.mkdir(parents=True, exist_ok=True)
-                    (Path(folder) / key).write_bytes(data)
+            self.copy_metadata(Path(folder))
             return _core.open_store(Path(folder))
+
+    def copy_metadata(self, folder: Path) -> None:
+        """Of a store that is no folder."""
+        files = self.files()
+        for key in ("zarr.json", f"{ARRAY}/zarr.json", "nearest/zarr.json"):
+            data = files.get(key)
+            if data is not None:
+                (folder / key).parent.mkdir(parents=True, exist_ok=True)
+                (folder / key).write_bytes(data)
 
     def shards(self) -> set[Triple]:
         """The shards that have a file."""
@@ -186,12 +190,7 @@ class Target:
             return
         files = self.files()
         with tempfile.TemporaryDirectory() as folder:
-            for key in ("zarr.json", f"{ARRAY}/zarr.json"):
-                data = files.get(key)
-                if data is None:
-                    raise UsageError(f"{self.url}: the store has no {key}; make it again")
-                (Path(folder) / key).parent.mkdir(parents=True, exist_ok=True)
-                (Path(folder) / key).write_bytes(data)
+            self.copy_metadata(Path(folder))
             _core.open_store(Path(folder)).write(first, window._native(), threads)
             for path in sorted((Path(folder) / ARRAY / "c").rglob("*")):
                 if path.is_file():

@@ -235,17 +235,27 @@ void for_each_edge(const Block& block, const Use& use) {
                    [&](int bit) { use(axis, bit & 7, bit >> 3, z); });
 }
 
-/// Calls use(number, block, corners, values) for each block. Runs on the threads of the calling TBB arena. Throws
-/// Error{interrupted}.
+/// Blocks by their numbers, from `begin` to before `end`.
+struct BlockRange {
+  std::size_t begin, end;
+};
+/// Calls use(number, block, corners, values) for each block of the range. Runs on the threads of the calling TBB arena.
+/// Throws Error{interrupted}.
 template <class Use>
-void for_each_block(const Blocks& blocks, const UniformTiles& uniform, ProgressMeter& progress, const Use& use) {
+void for_each_block(const Blocks& blocks, const BlockRange& some, const UniformTiles& uniform, ProgressMeter& progress,
+                    const Use& use) {
   constexpr std::size_t kAtOnce = 16;  // blocks of a task: some tens of microseconds
   const auto all = blocks.all();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all.size(), kAtOnce), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(some.begin, some.end, kAtOnce), [&](const auto& range) {
     progress.advance(static_cast<std::int64_t>(range.size()));
     for (std::size_t n = range.begin(); n < range.end(); ++n)
       use(n, all[n], blocks.corner_bits(all[n]), Neighbourhood(blocks.field(), uniform, all[n].at));
   });
+}
+/// The same for all blocks.
+template <class Use>
+void for_each_block(const Blocks& blocks, const UniformTiles& uniform, ProgressMeter& progress, const Use& use) {
+  for_each_block(blocks, {0, blocks.all().size()}, uniform, progress, use);
 }
 
 }  // namespace standoff

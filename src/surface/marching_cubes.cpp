@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Marching cubes: counts the vertices and triangles of each block, numbers them, and writes them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -57,14 +58,22 @@ Vec3 centre_point(const EdgePoints& points, const Neighbourhood& values, CellAt 
 
 }  // namespace
 
-void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, SurfaceReport& report,
-                 ProgressMeter& progress) {
+std::int64_t march_cubes(Blocks& blocks, const BlockLayers& layers, const EdgePoints& points, MemoryShare& memory,
+                         Mesh& mesh, SurfaceReport& report, ProgressMeter& progress) {
+  // Blocks are sorted along z. Those of the next layer are numbered, too.
+  const auto first_from = [&](std::int64_t layer) {
+    const auto all = std::span<const Block>(blocks.all());
+    const auto below = [layer](const Block& block) { return block.at[2] < layer; };
+    return static_cast<std::size_t>(std::ranges::partition_point(all, below) - all.begin());
+  };
+  const BlockRange own{first_from(layers.begin), first_from(layers.end)};
+  const BlockRange numbered{own.begin, layers.end == kAllLayers.end ? own.end : first_from(layers.end + 1)};
   const UniformTiles uniform(blocks.field().thickness());
   const auto thickness = static_cast<float>(blocks.field().thickness());
   memory.take(blocks.all().size() * (sizeof(CubeCounts) + sizeof(std::uint64_t)));
   std::vector<CubeCounts> counts(blocks.all().size());
   PerThread<SurfaceCounts> counted;
-  for_each_block(blocks, uniform, progress,
+  for_each_block(blocks, numbered, uniform, progress,
                  [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
                    CubeCounts found;
                    std::int64_t ambiguous = 0;
@@ -75,24 +84,26 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, 
                                    ambiguous += std::popcount(faces);
                                  });
                    counts[n] = found;
-                   counted.local().ambiguous += ambiguous;
+                   if (n < own.end) counted.local().ambiguous += ambiguous;
                  });
 
   std::uint64_t vertices = mesh.vertices.size(), triangles = mesh.triangles.size();
   std::vector<std::uint64_t> first_triangle(counts.size());
-  for (std::size_t n = 0; n < counts.size(); ++n) {
+  std::uint64_t own_vertices = vertices, own_triangles = triangles;
+  for (std::size_t n = numbered.begin; n < numbered.end; ++n) {
     Block& block = blocks.all()[n];
     expect_countable(vertices);
     block.first_vertex = static_cast<std::uint32_t>(vertices);
     vertices += block.edge_count + std::uint64_t{counts[n].centres};
     first_triangle[n] = triangles;
     triangles += counts[n].triangles;
+    if (n < own.end) own_vertices = vertices, own_triangles = triangles;
   }
   expect_countable(vertices);
-  grow(mesh, vertices, triangles, memory.budget());
+  grow(mesh, own_vertices, own_triangles, memory.budget());
 
   for_each_block(
-      blocks, uniform, progress,
+      blocks, own, uniform, progress,
       [&](std::size_t n, const Block& block, const CornerBits& corners, const Neighbourhood& values) {
         Ranks ranks;
         emit_vertices(block, values, points, thickness, mesh, ranks, counted.local());
@@ -128,7 +139,7 @@ void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, 
     one.add_to(report);
     ambiguous += one.ambiguous;
   });
-  report.ambiguous_faces += ambiguous / 2;
+  return ambiguous;
 }
 
 }  // namespace standoff

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,11 +20,20 @@
 
 namespace standoff {
 
-/// Marching cubes. Adds to the mesh's vertices and triangles, and to the report's ambiguous faces, clamped and capped
-/// edges. Numbers the vertices of the blocks. Counts scratch memory in `memory`, and the mesh in its budget. Runs on
-/// the threads of the calling TBB arena. Throws Error{limit}, Error{interrupted}.
-void march_cubes(Blocks& blocks, const EdgePoints& points, MemoryShare& memory, Mesh& mesh, SurfaceReport& report,
-                 ProgressMeter& progress);
+/// Layers of blocks along z, from `begin` to before `end`. Those below the grid's first sample are layer -1.
+struct BlockLayers {
+  std::int64_t begin, end;
+};
+inline constexpr BlockLayers kAllLayers{-1, std::numeric_limits<std::int64_t>::max()};
+
+/// Marching cubes: the cells of some layers of blocks. Adds to the mesh's vertices and triangles, and to the report's
+/// clamped and capped edges; triangles of the last layer's cells also have vertices of the next layer, which are those
+/// that a call for that layer will add. It must know the samples of the next layer and the first ones behind it.
+/// Returns the number of ambiguous faces, each of which both of its cells count. Numbers the vertices of the blocks.
+/// Counts scratch memory in `memory`, and the mesh in its budget. Runs on the threads of the calling TBB arena. Throws
+/// Error{limit}, Error{interrupted}.
+std::int64_t march_cubes(Blocks& blocks, const BlockLayers& layers, const EdgePoints& points, MemoryShare& memory,
+                         Mesh& mesh, SurfaceReport& report, ProgressMeter& progress);
 
 /// The point and the normal of the surface on a crossed edge of the grid.
 struct HermitePoint {

@@ -15,6 +15,7 @@
 #include "core/memory.h"
 #include "core/number_text.h"
 #include "core/threads.h"
+#include "core/tile_count.h"
 #include "sign/diagnosis/disjoint_sets.h"
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/diagnosis/self_intersections.h"
@@ -72,7 +73,8 @@ void add_surface(const DistanceField& field, double level, const SurfaceOptions&
   if (dual)
     contour_dually(blocks, points, source, memory, result.mesh, result.report, progress);
   else
-    march_cubes(blocks, points, memory, result.mesh, result.report, progress);
+    result.report.ambiguous_faces +=
+        march_cubes(blocks, kAllLayers, points, memory, result.mesh, result.report, progress) / 2;
   result.report.floats = points.are_floats();
   result.report.clearance = points.clearance();
 }
@@ -202,7 +204,67 @@ HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const ClosestF
           kMeshTolerance};
 }
 
+// Reads slices of a field, and checks that they are what was asked for.
+DistanceField slices_of(const Grid& grid, double thickness, const SliceReader& read, std::int64_t first,
+                        std::int64_t count) {
+  DistanceField field = call_back(read, first, count);
+  if (field.grid() != grid.window({0, 0, first}, {grid.size.x, grid.size.y, count}) || field.thickness() != thickness)
+    throw Error(ErrorCode::usage, "surface: " + std::to_string(count) + " slices from slice " + std::to_string(first) +
+                                      " on were asked for, and others came; give that window of the field");
+  return field;
+}
+
+// Adds the surface at a level of a field that is read layer by layer. Cells of a layer have vertices of the next one,
+// whose numbers depend on all samples of its blocks, and on the first ones behind these.
+void add_surface_of_slices(const Grid& grid, double thickness, const SliceReader& read, double level,
+                           const SurfaceOptions& options, std::int64_t slices, MemoryBudget& budget,
+                           SurfaceResult& result, ProgressMeter& progress) {
+  constexpr std::int64_t kOverlap = 2 * kTileSide;
+  std::int64_t ambiguous = 0;
+  for (std::int64_t first = 0; first < grid.size.z; first += slices) {
+    const std::int64_t end = std::min(first + slices, grid.size.z), read_to = std::min(end + kOverlap, grid.size.z);
+    MemoryShare memory(budget);
+    const DistanceField field = slices_of(grid, thickness, read, first, read_to - first);
+    memory.take(static_cast<std::size_t>(field.memory_bytes()) + InsideBits::bytes_for(field));
+    expect_within(field, level);
+    const EdgePoints points(field.grid(), grid, level, options.coordinates);
+    const InsideBits inside(field, level, progress);
+    Blocks blocks(inside, memory, progress);
+    const BlockLayers own{first == 0 ? kAllLayers.begin : 0,
+                          end == grid.size.z ? kAllLayers.end : (end - first) / kTileSide};
+    ambiguous += march_cubes(blocks, own, points, memory, result.mesh, result.report, progress);
+    result.report.floats = points.are_floats();
+    result.report.clearance = points.clearance();
+  }
+  result.report.ambiguous_faces += ambiguous / 2;
+}
+
 }  // namespace
+
+SurfaceResult surface(const Grid& grid, double thickness, const SliceReader& read, const SurfaceOptions& options,
+                      std::int64_t slice_samples) try {
+  validate("surface", options.execution, Runs::on_the_cpu);
+  validate(grid);
+  validate(options, grid);
+  if (options.method != SurfaceMethod::marching_cubes || options.wall > 0)
+    throw Error(ErrorCode::usage,
+                "surface: of slices there are no walls and no dual contouring; take marching cubes, or a whole field");
+  if (slice_samples < 1) throw Error(ErrorCode::usage, "surface: slices without samples; give 1 or more");
+  const std::int64_t layers = std::max<std::int64_t>(1, slice_samples / (grid.size.x * grid.size.y) / kTileSide);
+  SurfaceResult result;
+  Threads(options.execution.threads).run([&] {
+    ProgressMeter progress(options.progress);
+    progress.stage("surface", 1, 0, 1);
+    MemoryBudget budget("surface", memory_limit_of(options.memory_limit), kCoarserGrid);
+    add_surface_of_slices(grid, thickness, read, options.at, options, kTileSide * std::min(layers, grid.size.z), budget,
+                          result, progress);
+    progress.stage("done", 1, 1, 1);
+    finish(options, result);
+  });
+  return result;
+} catch (...) {
+  throw_as_error("surface", kCoarserGrid);
+}
 
 SurfaceResult surface(const DistanceField& field, const SurfaceOptions& options) try {
   validate("surface", options.execution, Runs::on_the_cpu);

@@ -22,7 +22,8 @@ constexpr double kUnits = 4;
 
 }  // namespace
 
-EdgePoints::EdgePoints(const Grid& grid, double level, Coordinates coordinates) : grid_(grid), level_(level) {
+EdgePoints::EdgePoints(const Grid& window, const Grid& grid, double level, Coordinates coordinates)
+    : grid_(window), level_(level) {
   double far = 0;  // the largest quotient of an axis' coordinate and its spacing
   double largest = 0, least = std::numeric_limits<double>::infinity();
   const Vec3 beyond = grid.position(grid.size.x + 1, grid.size.y + 1, grid.size.z + 1);
@@ -65,8 +66,9 @@ void grow(Mesh& mesh, std::uint64_t vertices, std::uint64_t triangles, MemoryBud
   const auto grow_to = [&](auto& all, std::uint64_t count) {
     if (count <= all.capacity()) return all.resize(count);
     const std::size_t before = all.capacity() * sizeof all[0];
-    budget.take(count * sizeof all[0]);
-    all.reserve(count);
+    const std::size_t room = all.empty() ? count : std::max<std::size_t>(count, all.capacity() + all.capacity() / 2);
+    budget.take(room * sizeof all[0]);
+    all.reserve(room);
     budget.give_back(before);
     all.resize(count);
   };

@@ -29,7 +29,9 @@ class EdgePoints {
  public:
   /// Throws Error{usage} about the coordinates, and Error{limit} if the grid is too far from the origin for its
   /// spacing.
-  EdgePoints(const Grid& grid, double level, Coordinates coordinates);
+  EdgePoints(const Grid& grid, double level, Coordinates coordinates) : EdgePoints(grid, grid, level, coordinates) {}
+  /// The same for a window of `whole`: its points are those of the whole grid.
+  EdgePoints(const Grid& grid, const Grid& whole, double level, Coordinates coordinates);
 
   double level() const { return level_; }
   /// The clearance, in spacings.
