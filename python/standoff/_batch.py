@@ -146,6 +146,22 @@ def batch(
     return _run(meshes, os.fspath(out), options, shard)
 
 
+def merged(folder: str) -> BatchResult:
+    """Joins the manifests of all parts in a folder."""
+    import json
+    import subprocess
+
+    done = subprocess.run(
+        [PROGRAM, "batch", "--merge", "-o", folder, "--quiet", "--json"], capture_output=True, text=True, check=False
+    )
+    if not done.stdout or done.returncode not in (0, 3):
+        raise make(
+            _NAMES.get(done.returncode, "internal"),
+            done.stderr.rpartition("standoff: error: ")[2].strip() or f"exit code {done.returncode}",
+        )
+    return BatchResult(folder, os.path.join(folder, "manifest.jsonl"), json.loads(done.stdout))
+
+
 def _joined(values: Any, what: str, *, whole: bool = False) -> str | None:
     if values is None:
         return None

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 import threading
+import weakref
 from collections import OrderedDict
 from collections.abc import Sequence
 from pathlib import Path
@@ -31,7 +33,7 @@ class _Reader:
     def __init__(self, target: Target) -> None:
         self._target = target
         self.store = target.open()
-        self._copy: tempfile.TemporaryDirectory[str] | None = None
+        self._copy: Path | None = None
         self._shards: OrderedDict[Triple, Path] = OrderedDict()
         self._fetching = threading.Lock()
 
@@ -40,20 +42,20 @@ class _Reader:
             return self.store.read(first, shape, limit)
         with self._fetching:
             if self._copy is None:
-                self._copy = tempfile.TemporaryDirectory(prefix="standoff-")
-                self._target.copy_metadata(Path(self._copy.name))
-            self._fetch(first, shape)
-            return _core.open_store(Path(self._copy.name)).read(first, shape, limit)
+                self._copy = Path(tempfile.mkdtemp(prefix="standoff-"))
+                weakref.finalize(self, shutil.rmtree, self._copy, True)
+                self._target.copy_metadata(self._copy)
+            self._fetch(self._copy, first, shape)
+            return _core.open_store(self._copy).read(first, shape, limit)
 
-    def _fetch(self, first: Triple, shape: Triple) -> None:
-        assert self._copy is not None
+    def _fetch(self, copy: Path, first: Triple, shape: Triple) -> None:
         files, side = self._target.files(), self.store.shard
         ranges = [range(at // s, (at + n - 1) // s + 1) for at, n, s in zip(first, shape, side)]
         wanted = [(i, j, k) for i in ranges[0] for j in ranges[1] for k in ranges[2]]
         for shard in wanted:
             name = "/".join(map(str, shard))
             for array in (ARRAY, "nearest") if self.store.has_nearest else (ARRAY,):
-                path = Path(self._copy.name) / array / "c" / name
+                path = copy / array / "c" / name
                 if shard not in self._shards:
                     data = files.get(f"{array}/c/{name}")
                     if data is not None:
@@ -64,7 +66,7 @@ class _Reader:
         while len(self._shards) > max(_MOST_SHARDS, len(wanted)):
             _, old = self._shards.popitem(last=False)
             for array in (ARRAY, "nearest"):
-                (Path(self._copy.name) / array / "c" / old).unlink(missing_ok=True)
+                (copy / array / "c" / old).unlink(missing_ok=True)
 
 
 class StoredField:

@@ -8,18 +8,21 @@ the order of its work can be seen in the result.
 from __future__ import annotations
 
 import contextlib
+import os
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._checks import flag, triple
-from ._errors import Error, UsageError
+from ._batch import BatchResult, merged
+from ._batch import batch as batch_here
+from ._checks import PathLike, flag, triple, whole_number
+from ._errors import Error, OutputError, UsageError
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, grid_of, progress_of
 from ._targets import Target, Triple
@@ -348,24 +351,100 @@ def _by_client(client: Any, job: _Job, target: Target, todo: list[tuple[Triple, 
 
     # A task that gives the mesh, not scattered data: it can be had again after the workers that held it died.
     held = client.submit(_identity, job, key=f"standoff-mesh-{job.token}")
-    futures = {
-        client.submit(
-            _write_window, held, target, first, size, key=f"standoff-write-{job.token}-{first}", pure=False
-        ): first
-        for first, size in todo
-    }
-    killed: list[Triple] = []
+
+    def submit(first: Triple, size: Triple, turn: int) -> Any:
+        key = f"standoff-write-{job.token}-{turn}-{first}"
+        return client.submit(_write_window, held, target, first, size, key=key, pure=False)
+
+    futures = {submit(first, size, 0): (first, size) for first, size in todo}
+    suspects: list[tuple[Triple, Triple]] = []
+    killers: list[Triple] = []
     try:
         for future in as_completed(futures):  # type: ignore[no-untyped-call]
             try:
                 yield future.result()
             except KilledWorker:
-                killed.append(futures[future])
+                suspects.append(futures[future])
+        # Windows that waited on a worker when it died are blamed, too: one after the other, only the guilty ones die.
+        for first, size in suspects:
+            try:
+                yield submit(first, size, 1).result()
+            except KilledWorker:
+                killers.append(first)
     finally:
         with contextlib.suppress(Exception):  # the cluster may be gone
             client.cancel([future for future in futures if not future.done()])
-    if killed:
+    if killers:
         raise Error(
-            f"{target.url}: {len(killed)} of {len(todo)} windows killed the workers that computed them, the first one at "
-            f"sample {killed[0]}; give workers more memory, or a smaller block, and call again: the others are kept"
+            f"{target.url}: {len(killers)} of {len(todo)} windows killed the workers that computed them, the first one at "
+            f"sample {killers[0]}; give workers more memory, or a smaller block, and call again: the others are kept"
         )
+
+
+# Many meshes.
+
+
+def _batch_part(meshes: str, out: str, part: int, parts: int, options: dict[str, Any]) -> int:
+    options = {"threads": _threads_here()} | options
+    while True:
+        try:
+            batch_here(meshes, out, shard=(part, parts), resume=True, **options)
+            return part
+        except OutputError as error:
+            # A worker was killed, and the program that it had started works on: what it does need not be done again.
+            if "is writing it" not in str(error):
+                raise
+            time.sleep(1)
+
+
+def batch(
+    meshes: PathLike | Iterable[PathLike],
+    out: PathLike,
+    *,
+    client: Any,
+    parts: int | None = None,
+    **options: Any,
+) -> BatchResult:
+    """`standoff.batch` by a cluster: the same results and the same manifest, whose parts workers take in turn.
+
+    What is done already is kept, as with ``resume=True``. A mesh that ends its process costs itself; a worker that dies
+    costs the meshes that it was at.
+
+    Args:
+        meshes, out: as for `standoff.batch`, on a file system that all workers share.
+        client: of Dask.
+        parts: how many tasks the meshes are divided into, by default eight for each worker there is now. A later call
+            for the same folder must name the same number.
+        options: those of `standoff.batch`, but ``shard`` and ``resume``; ``threads`` by default as many as a worker has.
+
+    Raises:
+        As `standoff.batch`; the results of the parts that came to their end are kept.
+    """
+    for name in ("shard", "resume"):
+        if name in options:
+            raise TypeError(f"{name}: the cluster's business; leave it out")
+    folder = os.path.abspath(os.fspath(out))
+    if isinstance(meshes, (str, os.PathLike)):
+        listed = os.path.abspath(os.fspath(meshes))
+    else:
+        os.makedirs(folder, exist_ok=True)
+        listed = os.path.join(folder, "list.txt")
+        with open(listed + ".part", "wb") as file:
+            for mesh in meshes:
+                path = os.path.abspath(os.fsencode(mesh))
+                if b"\n" in path:
+                    raise ValueError(
+                        f"meshes: {path!r} has an end of line in its name, which lists of lines cannot hold"
+                    )
+                file.write(path + b"\n")
+        os.replace(listed + ".part", listed)
+    count = whole_number(parts, "parts") if parts is not None else 8 * max(1, len(client.scheduler_info()["workers"]))
+    futures = [
+        client.submit(_batch_part, listed, folder, part, count, options, pure=False) for part in range(1, count + 1)
+    ]
+    try:
+        client.gather(futures)
+    finally:
+        with contextlib.suppress(Exception):
+            client.cancel([future for future in futures if not future.done()])
+    return merged(folder)
