@@ -87,8 +87,8 @@ class Threads(unittest.TestCase):
         verbs = re.findall(r"^  ([a-z]+) +\S", run("help").stdout.decode(), re.MULTILINE)
         self.assertIn("compute", verbs)
         with_threads = {verb for verb in verbs if b"--threads" in run(verb, "--help").stdout}
-        # verify compares, view and fly serve or draw: tests of their own.
-        self.assertEqual(with_threads - {"verify", "view", "fly"}, {call[0] for call in CALLS.values()})
+        # verify compares, view and fly serve or draw, batch takes a list: tests of their own.
+        self.assertEqual(with_threads - {"verify", "view", "fly", "batch"}, {call[0] for call in CALLS.values()})
 
 
 class Memory(unittest.TestCase):
