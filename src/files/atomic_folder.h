@@ -17,7 +17,7 @@ class ProgressMeter;
 class AtomicFolder {
  public:
   /// Says whether an existing folder may be replaced, which removes it with all that is in it.
-  using MayReplace = bool (*)(const std::filesystem::path&) noexcept;
+  using MayReplace = bool (*)(const std::filesystem::path&);
 
   /// Makes the unfinished folder. Refuses files in the place of the target, missing parents, and a folder that is
   /// there: with Existing::keep any, else those that are not empty and may not be replaced. `kind`, "a Zarr store of

@@ -493,11 +493,12 @@ StoreMetadata read_store(const std::filesystem::path& path) {
   return store;
 }
 
-bool is_own_store(const std::filesystem::path& path) noexcept try {
+bool is_own_store(const std::filesystem::path& path) try {
   const FileView file(path / kDistanceName / kMetadataName);
   const auto attributes = json_of(file).find("attributes");
   return attributes && attributes->find("standoff") && std::filesystem::exists(path / kMetadataName);
-} catch (...) {
+} catch (const Error& error) {
+  if (error.code() != ErrorCode::input) throw;  // such as memory that runs out
   return false;
 }
 
