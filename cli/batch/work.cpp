@@ -236,9 +236,7 @@ Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
   }
   const Similarity moved = normalization(mesh, making_.normalization);
   if (making_.normalization != Normalization::none) apply(moved, mesh);
-  row["mesh"] = {{"vertices", mesh.vertices.size()},
-                 {"triangles", mesh.triangles.size()},
-                 {"hash", hash_text(content_hash(MeshView(mesh)))}};
+  row["mesh"] = {{"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()}};
   row["normalization"] = {
       {"kind", name_of(making_.normalization)}, {"center", json_point(moved.center)}, {"scale", moved.scale}};
   return mesh;
@@ -312,15 +310,14 @@ void MeshWork::make_field(const BatchOrder& order, const Mesh& mesh, const GridC
   sink_->put(order.mesh, field_, threads_);
   note_field(order, report, row);
   if (making_.cache.given()) {
-    ComputeReport kept = report;
-    kept.provenance.mesh_hash = field_.provenance().mesh_hash;
-    const std::string problem = making_.cache.store(cache_key_, sink_->file_of(order.mesh), kept);
+    const std::string problem = making_.cache.store(cache_key_, sink_->file_of(order.mesh), report);
     if (!problem.empty()) Console().warn(problem);
   }
   seconds_["write"] = seconds_since(start);
 }
 
 void MeshWork::note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const {
+  row["mesh"]["hash"] = hash_text(report.provenance.mesh_hash);
   row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
   add_sign_report(row, report.sign);
   const Placed placed = sink_->placed(order.mesh);
@@ -345,6 +342,7 @@ void MeshWork::make_points(const BatchOrder& order, const Mesh& mesh, const Grid
   auto start = std::chrono::steady_clock::now();
   const MeshQuery query(mesh, {making_.field.compute.sign, {.threads = threads_}});
   const TrainingPoints made = training_points(query, choice.grid.bounds(), *making_.points, threads_);
+  row["mesh"]["hash"] = hash_text(content_hash(query.mesh()));
   row["points"] = making_.points->count;
   add_sign_report(row, query.sign());
   seconds_["compute"] = seconds_since(start);

@@ -57,6 +57,7 @@ TEST_F(Batch, ARowSaysAll) {
   EXPECT_EQ(row["message"], "");
   EXPECT_EQ(row["mesh"]["triangles"], 8);
   EXPECT_EQ(row["mesh"]["vertices"], 6);
+  EXPECT_EQ(row["mesh"]["hash"], done(words("compute mesh.obj -r 8 -o hash.vti --json")).json()["mesh"]["hash"]);
   EXPECT_EQ(row["grid"]["size"], Json({24, 24, 24}));
   EXPECT_EQ(row["samples"]["total"], 24 * 24 * 24);
   EXPECT_EQ(row["sign"]["method"], "winding");
