@@ -19,6 +19,9 @@ class ProgressMeter {
   /// `callback` may be empty, and must outlive the meter.
   explicit ProgressMeter(const ProgressCallback& callback) : callback_(callback) {}
 
+  /// Whether anybody watches.
+  bool is_watched() const { return static_cast<bool>(callback_); }
+
   /// Begins a stage of `units` steps that spans [from, to] of the whole. Called between parallel parts.
   void stage(const char* name, std::int64_t units, double from, double to) {
     stage_ = {name, from};

@@ -22,7 +22,9 @@ namespace {
 // Passes on a window's part of the work to the progress of all.
 class WindowProgress {
  public:
-  WindowProgress(ProgressMeter& all, std::int64_t units) : all_(all), units_(units) {}
+  WindowProgress(ProgressMeter& all, std::int64_t units) : all_(all), units_(units) {
+    if (all.is_watched()) callback_ = [this](const Progress& now) { return tell(now); };
+  }
   ~WindowProgress() = default;
   WindowProgress(const WindowProgress&) = delete;
   WindowProgress& operator=(const WindowProgress&) = delete;
@@ -33,13 +35,17 @@ class WindowProgress {
  private:
   bool tell(const Progress& now) {
     const auto done = std::clamp<std::int64_t>(std::llround(now.fraction * static_cast<double>(units_)), told_, units_);
+    if (done == told_ && ++unheard_ % kCheckEvery != 0) return true;
     all_.advance(done - std::exchange(told_, done));
     return true;
   }
 
   ProgressMeter& all_;
+  static constexpr int kCheckEvery = 16;  // checks of a window's work, each of some ten microseconds at least
+
   std::int64_t units_, told_ = 0;
-  ProgressCallback callback_ = [this](const Progress& now) { return tell(now); };
+  int unheard_ = 0;
+  ProgressCallback callback_;
   ProgressMeter meter_{callback_};
 };
 
@@ -140,12 +146,11 @@ void cut_out(const DistanceField& from, const Grid& window, DistanceField& field
       for (std::int64_t tx = 0; tx < tiles.x; ++tx) cut.cut(tx, ty, tz, field);
 }
 
-void mark_all_inside(DistanceField& field) {
-  const Size3 tiles = field.tile_count();
-  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
-    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
-      for (std::int64_t tx = 0; tx < tiles.x; ++tx) field.mark_inside(tx, ty, tz);
-}
+// All samples are inside.
+class Everywhere final : public SampleSigns {
+ public:
+  void fill(InsideRows& rows, std::int64_t, std::int64_t) const override { rows.invert(); }
+};
 
 }  // namespace
 
@@ -255,12 +260,24 @@ void FieldInWindows::sign(const Grid& window, DistanceField& field) {
   if (method == SignMethod::shell) return apply(Shell(options_.sign, plan().field_thickness), field, progress);
   if (signs_of_grid_) return sign_field(*signs_of_grid_, invert, plan().grid, field, progress);
   if (is_of_one_sign(window)) {
-    if (is_inside(window) != invert) mark_all_inside(field);
+    Everywhere inside;
+    if (is_inside(window) != invert) sign_field(inside, false, window, field, progress);
     return;
   }
-  const MeshPart part = crossed_by(window);
-  if (const auto signs = computation_.signs_of_window(window, part.oriented()))
-    sign_field(*signs, invert, window, field, progress);
+  if (SampleSigns* const signs = signs_of_rows(window)) sign_field(*signs, invert, rows_->grid, field, progress);
+}
+
+SampleSigns* FieldInWindows::signs_of_rows(const Grid& window) {
+  const Grid& grid = plan().grid;
+  const Grid rows = grid.window({0, window.first.y - grid.first.y, window.first.z - grid.first.z},
+                                {grid.size.x, window.size.y, window.size.z});
+  if (!rows_ || rows_->grid != rows) {
+    rows_.reset();
+    RowSigns made{rows, crossed_by(rows), nullptr};
+    made.signs = computation_.signs_of_window(rows, made.part.oriented());
+    rows_.emplace(std::move(made));
+  }
+  return rows_->signs.get();
 }
 
 // The triangles that rows of the window, or rays from there to smaller x, may cross.

@@ -45,6 +45,7 @@ class FieldInWindows {
   MeshPart crossed_by(const Grid& window);
   bool is_of_one_sign(const Grid& window);
   bool is_inside(const Grid& window);
+  SampleSigns* signs_of_rows(const Grid& window);
   const MeshParts& all_parts();
 
   const ComputeOptions options_;
@@ -54,6 +55,14 @@ class FieldInWindows {
   std::optional<MeshParts> parts_, all_parts_;  // of the job's triangles; of all, if these are others, for signs
   std::unique_ptr<WindowGather> gather_;
   std::unique_ptr<SampleSigns> signs_of_grid_;  // of SignScope::grid
+
+  // The signs of all samples of a window's rows, along the whole grid: the next window may have these rows, too.
+  struct RowSigns {
+    Grid grid;
+    MeshPart part;
+    std::unique_ptr<SampleSigns> signs;
+  };
+  std::optional<RowSigns> rows_;
   Counts counts_;
   std::int64_t samples_ = 0, tiles_ = 0;  // of all windows so far
   ComputeReport report_;

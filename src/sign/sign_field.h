@@ -21,8 +21,9 @@
 
 namespace standoff {
 
-/// Calls use(rows, ty, tz) for each row of tiles of a window, which is a part of `grid`, that of the signs: all tiles
-/// of the grid's rows (ty, tz). Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
+/// Calls use(rows, ty, tz) for each row of tiles of a window, which is a part of `grid`, that of the signs, in whole
+/// tiles. Rows and tiles are counted in the grid. Runs on the threads of the calling TBB arena. Throws
+/// Error{interrupted}.
 template <class Use>
 void for_each_row_of_tiles(SampleSigns& signs, bool invert, const Grid& grid, const Grid& window,
                            ProgressMeter& progress, const Use& use) {
@@ -32,8 +33,7 @@ void for_each_row_of_tiles(SampleSigns& signs, bool invert, const Grid& grid, co
                      first_z = (window.first.z - grid.first.z) / kTileSide;
   const std::int64_t first = first_y + tiles_y * first_z, count = rows_y * rows_z;
   const auto number = [&](std::int64_t n) { return first + n % rows_y + tiles_y * (n / rows_y); };
-  PerThread<InsideRows> scratch([&grid] { return InsideRows(grid); });
-  // Windows of a larger grid have signs that load all rows at once.
+  PerThread<InsideRows> scratch([&] { return InsideRows(grid, window); });
   for (std::int64_t next = 0; next < count;) {
     const std::int64_t loaded = signs.load(number(next));
     std::int64_t end = next + 1;

@@ -57,26 +57,34 @@ inline double margin(double winding, WindingRule rule) {
 }
 
 /// Which samples of the 64 rows of the tiles (., ty, tz) are inside: eight samples to a byte, the first one in its
-/// lowest bit. Samples beyond the grid are outside.
+/// lowest bit. Samples beyond the grid are outside. Of a window of the grid only the tiles along x that it has are held;
+/// tiles and samples are counted from the grid's first one.
 class InsideRows {
  public:
   static constexpr int kSide = 8;              ///< samples of a tile along an axis: the bits of a byte
   static constexpr int kRows = kSide * kSide;  ///< rows of a tile: row y + 8 z
   static_assert(kSide == DistanceField::kTileSide);
 
-  explicit InsideRows(const Grid& grid);
+  explicit InsideRows(const Grid& grid) : InsideRows(grid, grid) {}
+  /// Requires a window of whole tiles.
+  InsideRows(const Grid& grid, const Grid& window);
   /// The memory that an object takes.
   static std::int64_t bytes(const Grid& grid);
 
   /// Begins with the tiles (., ty, tz): all their samples are outside.
   void clear(std::int64_t ty, std::int64_t tz);
-  /// Marks samples begin to end - 1 of a row that is in the grid. Requires begin < end.
+  /// The tiles that are held.
+  std::int64_t tiles_begin() const { return begin_; }
+  std::int64_t tiles_end() const { return (size_.x + kSide - 1) / kSide; }
+  /// Marks samples begin to end - 1 of a row that is in the grid, those that are held.
   void set(int row, std::int64_t begin, std::int64_t end);
   /// Exchanges inside and outside from a sample of a row on, if `really`. finish_toggles() makes it take effect.
   void toggle(int row, std::int64_t from, bool really) {
+    from = std::max(from, kSide * begin_);
+    if (from >= size_.x) return;
     const std::int64_t tx = from / kSide;
     first_tile_ = std::min(first_tile_, tx);
-    bits_[static_cast<std::size_t>(kRows * tx + row)] ^=
+    bits_[place(tx) + static_cast<std::size_t>(row)] ^=
         static_cast<std::uint8_t>((0xff << from % kSide) & -int{really});
   }
   /// Requires that the toggled samples were outside, and that nothing else was set.
@@ -86,13 +94,13 @@ class InsideRows {
 
   /// Tile tx: a byte for each of its rows.
   std::span<const std::uint8_t, kRows> tile(std::int64_t tx) const {
-    return std::span<const std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
+    return std::span<const std::uint8_t, kRows>(bits_.data() + place(tx), kRows);
   }
   /// The same for a caller that changes it.
   std::span<std::uint8_t, kRows> tile(std::int64_t tx) {
     first_tile_ = std::min(first_tile_, tx);
     end_of_tiles_ = std::max(end_of_tiles_, tx + 1);
-    return std::span<std::uint8_t, kRows>(bits_.data() + kRows * tx, kRows);
+    return std::span<std::uint8_t, kRows>(bits_.data() + place(tx), kRows);
   }
   /// The byte of a row of tile tx if all its samples are inside.
   std::uint8_t full_byte(int row, std::int64_t tx) const {
@@ -105,16 +113,19 @@ class InsideRows {
   std::int64_t first_tile() const { return first_tile_; }
   std::int64_t end_of_tiles() const { return end_of_tiles_; }
   bool is_inside(int row, std::int64_t i) const {
-    return (bits_[static_cast<std::size_t>(kRows * (i / kSide) + row)] >> (i % kSide) & 1) != 0;
+    return (bits_[place(i / kSide) + static_cast<std::size_t>(row)] >> (i % kSide) & 1) != 0;
   }
   /// Whether the row is a row of the grid.
   bool in_grid(int row) const { return row % kSide < rows_y_ && row / kSide < rows_z_; }
+  /// Of the grid; along x, of its part up to the last sample that is held.
   const Size3& size() const { return size_; }
 
  private:
+  std::size_t place(std::int64_t tx) const { return static_cast<std::size_t>(kRows * (tx - begin_)); }
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
 
   Size3 size_;
+  std::int64_t begin_;  // the first tile that is held
   std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
   std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
   std::vector<std::uint8_t> bits_;  // by tile, then by row

@@ -117,6 +117,26 @@ TEST(Windows, EverySign) {
       }
 }
 
+// Windows in which no triangle is, outside and inside, whose tiles are stored or not; row by row and in another order.
+TEST(Windows, OfOneSide) {
+  const Mesh ball = moved(ball_mesh(1, 6));
+  const Grid grid{{96, 80, 64}, kFar - Vec3{1.7, 1.4, 1.1}, {0.035, 0.035, 0.035}};
+  for (const double thickness : {0.05, 0.5, kFullField})
+    for (const bool invert : {false, true}) {
+      ComputeOptions options = by(SignMethod::winding);
+      options.sign.invert = invert;
+      const DistanceField whole = compute(ball, grid, thickness, options).field;
+      WindowComputation windows(ball, grid, thickness, {16, 16, 16}, options);
+      DistanceField field;
+      for (std::int64_t n = 0; n < 6 * 5 * 4; ++n) {
+        const std::int64_t m = 7 * n % 120;
+        const Part part{{16 * (m % 6), 16 * (m / 6 % 5), 16 * (m / 30)}, {16, 16, 16}};
+        windows.compute(part.first, part.size, field);
+        expect_part(whole, field, part);
+      }
+    }
+}
+
 TEST(Windows, EveryMethod) {
   for (const MethodInfo& method : kComputeMethods) {
     SCOPED_TRACE(method.name);

@@ -249,7 +249,7 @@ TileBits Flood::inside_of(const Size3& size, const std::array<std::int64_t, 3>& 
 }
 
 void Flood::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
-  for (std::int64_t tx = 0; tx < tiles_along(rows.size().x); ++tx) {
+  for (std::int64_t tx = rows.tiles_begin(); tx < rows.tiles_end(); ++tx) {
     const TileBits inside = inside_of(rows.size(), {tx, ty, tz});
     if (any(inside)) mark(rows, tx, inside);
   }

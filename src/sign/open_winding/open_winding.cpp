@@ -126,7 +126,7 @@ class RowOfTiles {
 
   // Returns the number of doubtful samples.
   std::int64_t decide() {
-    decide({0, tiles_along(mesh_.grid.size.x)}, stack_.root(), {});
+    decide({rows_.tiles_begin(), rows_.tiles_end()}, stack_.root(), {});
     return doubtful_;
   }
 

@@ -103,6 +103,7 @@ RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressM
       try_(std::min(rows_of_tiles_, kMostRowsOfTiles)) {}
 
 std::int64_t RowCrossings::load(std::int64_t first) {
+  if (first == first_ && begin_.size() > 1) return first_ + std::ssize(begin_) - 1;  // they are held
   // Try whole layers of tiles, or a part of one layer; then less, and at last row by row.
   for (;; try_ = std::max<std::int64_t>(1, try_ / 2)) {
     std::int64_t count = std::min(try_, rows_of_tiles_ - first);
