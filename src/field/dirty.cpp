@@ -46,7 +46,7 @@ bool same_corners(const MeshView& a, const MeshView& b, std::uint32_t triangle) 
 }  // namespace
 
 MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint32_t> listed) {
-  const auto [fewer, more] = std::minmax(before.triangles.size(), after.triangles.size());
+  const auto [fewer, more] = std::minmax({before.triangles.size(), after.triangles.size()});
   MeshChange change{before, after, {listed.begin(), listed.end()}};
   std::vector<std::uint32_t>& triangles = change.triangles;
   for (std::size_t t = fewer; t < more; ++t) triangles.push_back(static_cast<std::uint32_t>(t));

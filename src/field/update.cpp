@@ -33,7 +33,7 @@ namespace {
 
 // Whether each vertex has other bits in the other mesh.
 std::vector<std::uint8_t> moved_vertices(const MeshView& before, const MeshView& after) {
-  const auto [fewer, more] = std::minmax(before.vertices.size(), after.vertices.size());
+  const auto [fewer, more] = std::minmax({before.vertices.size(), after.vertices.size()});
   std::vector<std::uint8_t> moved(more, 1);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, fewer, 16384), [&](const auto& range) {
     for (std::size_t v = range.begin(); v != range.end(); ++v) {
@@ -50,7 +50,7 @@ std::vector<std::uint32_t> changed_triangles(MeshView before, MeshView after) tr
   constexpr std::size_t kChunk = 16384;
   validate(before);
   validate(after);
-  const auto [fewer, more] = std::minmax(before.triangles.size(), after.triangles.size());
+  const auto [fewer, more] = std::minmax({before.triangles.size(), after.triangles.size()});
   const std::vector<std::uint8_t> moved = moved_vertices(before, after);
   std::vector<std::vector<std::uint32_t>> found((fewer + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {

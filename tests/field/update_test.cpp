@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -29,7 +31,25 @@ Mesh at_grid(Mesh mesh) {
   for (Vec3& v : mesh.vertices) v = v + kFar;
   return mesh;
 }
-Mesh ball() { return at_grid(ball_mesh(1, 12)); }
+// A ball that faces outwards, with shared vertices.
+Mesh solid_ball(double radius, int cuts, Vec3 center = {}) {
+  const Mesh octants = ball_mesh(radius, cuts, center);
+  Mesh mesh;
+  std::map<std::array<double, 3>, std::uint32_t> known;
+  for (Triangle t : octants.triangles) {
+    const Vec3 a = octants.vertices[t[0]], b = octants.vertices[t[1]], c = octants.vertices[t[2]];
+    if (dot(cross(b - a, c - a), a - center) < 0) std::swap(t[1], t[2]);
+    for (std::uint32_t& v : t) {
+      const Vec3 p = octants.vertices[v] + Vec3{0, 0, 0};  // no -0
+      const auto [at, is_new] = known.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(mesh.vertices.size()));
+      if (is_new) mesh.vertices.push_back(p);
+      v = at->second;
+    }
+    mesh.triangles.push_back(t);
+  }
+  return mesh;
+}
+Mesh ball() { return at_grid(solid_ball(1, 12)); }
 Mesh open_ball() {
   Mesh mesh = ball();
   mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
@@ -128,6 +148,8 @@ TEST(Update, LocalMoves) {
           const Mesh after = dented(before, somewhere_on(before, random), 0.25, random.vector(0.15));
           ComputeOptions options = by(method);
           options.nearest = nearest;
+          // Parts of one triangle each are not known to face outwards.
+          options.sign.as_oriented = !welded && method == SignMethod::automatic;
           const UpdateReport report = expect_update(before, after, thickness, options);
           EXPECT_FALSE(report.anew) << report.why;
           EXPECT_GT(report.tiles_changed, 0);
@@ -162,7 +184,7 @@ TEST(Update, ScatteredMoves) {
 
 // A bump sweeps a volume that the band does not reach: marks of tiles that are not stored flip, and flip back.
 TEST(Update, BumpsFlipMarks) {
-  const Mesh before = at_grid(ball_mesh(0.7, 12));
+  const Mesh before = at_grid(solid_ball(0.7, 12));
   const Mesh after = dented(before, kFar + Vec3{0.7, 0, 0}, 0.25, {-0.9, 0.05, 0.03});
   const auto marks = [](const DistanceField& field) { return std::ranges::count(field.slots(), DistanceField::kInside); };
   const ComputeOptions options = by(SignMethod::winding);
@@ -180,8 +202,8 @@ TEST(Update, BumpsFlipMarks) {
 
 // A whole part moves: what it leaves turns to outside, far from any triangle.
 TEST(Update, PartsMove) {
-  Mesh before = at_grid(ball_mesh(0.45, 6, {-0.6, 0, 0}));
-  const Mesh other = at_grid(ball_mesh(0.3, 4, {0.7, 0.1, 0.2}));
+  Mesh before = at_grid(solid_ball(0.45, 6, {-0.6, 0, 0}));
+  const Mesh other = at_grid(solid_ball(0.3, 4, {0.7, 0.1, 0.2}));
   const auto first = static_cast<std::uint32_t>(before.vertices.size());
   for (const Triangle& t : other.triangles) before.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   before.vertices.insert(before.vertices.end(), other.vertices.begin(), other.vertices.end());
@@ -239,6 +261,9 @@ TEST(Update, AnewWhereItMustBe) {
   Mesh all = before;
   for (Vec3& v : all.vertices) v = v + Vec3{0.01, 0, 0};
   EXPECT_TRUE(expect_update(before, all, 0.2, winding, small).anew);
+  // Its octants face in and out.
+  const Mesh unoriented = at_grid(ball_mesh(1, 12));
+  EXPECT_TRUE(expect_update(unoriented, dented(unoriented, unoriented.vertices[50], 0.2, {0.1, 0, 0}), 0.2, winding, small).anew);
   // Closed before, open afterwards, and the other way round.
   const ComputeOptions automatic = by(SignMethod::automatic);
   EXPECT_TRUE(expect_update(before, open_ball(), kThin, automatic).anew);
@@ -268,7 +293,7 @@ TEST(Update, TrianglesComeAndGo) {
     EXPECT_EQ(expect_update(fewer, before, kThin, by(method)).triangles_changed, 8);
     // A part that comes is closed of itself.
     Mesh more = before;
-    const Mesh bit = at_grid(ball_mesh(0.1, 2, {0.9, 0.9, 0.9}));
+    const Mesh bit = at_grid(solid_ball(0.1, 2, {0.9, 0.9, 0.9}));
     const auto first = static_cast<std::uint32_t>(more.vertices.size());
     for (const Triangle& t : bit.triangles) more.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     more.vertices.insert(more.vertices.end(), bit.vertices.begin(), bit.vertices.end());
@@ -309,7 +334,7 @@ TEST(Update, NothingChanges) {
 // One after the other, no error is left behind.
 void update_on_and_on(const ComputeOptions& options, double thickness, int rounds) {
   Random random(5);
-  Mesh mesh = at_grid(ball_mesh(0.9, 8));
+  Mesh mesh = at_grid(solid_ball(0.9, 8));
   const Grid grid{{67, 61, 71}, kFar - Vec3{1.25, 1.3, 1.35}, {0.038, 0.041, 0.037}};
   DistanceField field = compute(mesh, grid, thickness, options).field;
   std::int64_t anew = 0;
