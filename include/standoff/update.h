@@ -49,9 +49,10 @@ STANDOFF_API std::vector<std::uint32_t> changed_triangles(MeshView before, MeshV
 /// something far away may change too, all is: UpdateReport::why (docs/update.md). The memory limit counts what is taken
 /// besides the field.
 ///
-/// Errors: as compute() of `after`; usage for an empty field, for a `before` of another hash than the field's, and for
-/// triangles that no mesh has; input for triangles of `before` that are not valid. After an error the field is
-/// unchanged; it may be empty where it was computed anew, or where memory ran out.
+/// Errors: as compute() of `after`; usage for an empty field, for triangles that no mesh has, and where the field's hash
+/// shows that the meshes are one, changed in its place, or in the wrong order; input for triangles of `before` that are
+/// not valid. After an error the field is unchanged; it may be empty where it was computed anew, or where memory ran
+/// out.
 STANDOFF_API UpdateReport update_field(MeshView before, MeshView after, std::span<const std::uint32_t> changed,
                                        DistanceField& field, const ComputeOptions& options = {});
 

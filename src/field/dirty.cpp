@@ -65,6 +65,12 @@ MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint3
   return change;
 }
 
+double rounding_of_places(const Grid& grid) {
+  const Box box = grid.bounds();
+  const double farthest = std::max(max_norm(box.min), max_norm(box.max));
+  return grid.max_spacing() / 64 + 64 * std::numeric_limits<double>::epsilon() * farthest;
+}
+
 // What they may enclose.
 
 namespace {
@@ -212,8 +218,7 @@ namespace {
 
 constexpr std::int32_t kNoWindow = -1;
 
-// Bricks [low, high] of a grid, both included, that a box touches. Takes three products a side, no division; what
-// rounding may add is far less than the spacing that callers add to the box.
+// The brick of a grid that a coordinate is in, by a product and not by a division. Callers allow for its rounding.
 class BrickFinder {
  public:
   explicit BrickFinder(const Grid& grid) : corner_(grid.corner()) {
@@ -235,7 +240,7 @@ class BrickFinder {
 class WindowMap {
  public:
   WindowMap(const Grid& grid, std::span<const Grid> windows, double reach)
-      : windows_(windows), bricks_(bricks_of(grid)), finder_(grid), margin_(grid.max_spacing()), reach_(reach) {
+      : windows_(windows), bricks_(bricks_of(grid)), finder_(grid), margin_(rounding_of_places(grid)), reach_(reach) {
     of_brick_.assign(static_cast<std::size_t>(bricks_.count()), kNoWindow);
     of_column_.resize(static_cast<std::size_t>(bricks_.y * bricks_.z));
     for (std::size_t w = 0; w < windows.size(); ++w) add(grid, w);

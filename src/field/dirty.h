@@ -25,6 +25,9 @@ struct MeshChange {
 /// that no mesh has; Error{input} if one is not valid.
 MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint32_t> listed);
 
+/// What the place of a point beside samples may be off by, rounded several times, with a wide margin. World units.
+double rounding_of_places(const Grid& grid);
+
 /// The boxes around sets of changed triangles that share corners, by position, before or after. If both meshes are
 /// closed, so is what a set adds to them and takes from them together: winding numbers are as before outside its box.
 std::vector<Box> enclosing_boxes(const MeshChange& change);

@@ -73,10 +73,23 @@ std::vector<std::uint32_t> changed_triangles(MeshView before, MeshView after) tr
 
 namespace {
 
-// A part of the field, as it will be.
+// The tiles of a window, as they will be: as DistanceField::slots(), and the arrays that slots point into.
 struct NewWindow {
   Grid grid;
-  DistanceField field;
+  std::vector<std::int32_t> slots;
+  std::vector<float> values;
+  std::vector<std::uint32_t> nearest;
+
+  void copy(const DistanceField& field) {
+    slots.assign(field.slots().begin(), field.slots().end());
+    values.assign(field.tile_values().begin(), field.tile_values().end());
+    if (field.has_nearest()) nearest.assign(field.tile_nearest_values().begin(), field.tile_nearest_values().end());
+  }
+  // Of a slot.
+  template <class T>
+  static std::span<const T> tile(const std::vector<T>& all, std::int32_t slot) {
+    return std::span(all).subspan(static_cast<std::size_t>(slot) * kTileSamples, kTileSamples);
+  }
 };
 
 class FieldUpdate {
@@ -90,11 +103,12 @@ class FieldUpdate {
 
  private:
   void check_field() const;
+  void hash_mesh();
   std::string global_reason() const;
   std::string find_windows(std::span<const std::uint32_t> changed);
   std::string decide_sign();
   bool was_closed(bool oriented) const;
-  void compute(const WindowTriangles& triangles, NewWindow& window);
+  void compute(const WindowTriangles& triangles, const Grid& window, DistanceField& field);
   void sign(const WindowTriangles& triangles, DistanceField& field);
   void merge();
   void compute_anew(std::string why);
@@ -114,40 +128,27 @@ class FieldUpdate {
   UpdateReport report_;
 };
 
-// Calls use(window's tile, field's tile) for each tile of a window, by index per axis.
-template <class Use>
-void for_each_tile(const NewWindow& window, const Grid& whole, const Use& use) {
-  Size3 shift;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    shift[axis] = (window.grid.first[axis] - whole.first[axis]) / kTileSide;
-  const Size3 tiles = window.field.tile_count();
-  for (std::int64_t tz = 0; tz < tiles.z; ++tz)
-    for (std::int64_t ty = 0; ty < tiles.y; ++ty)
-      for (std::int64_t tx = 0; tx < tiles.x; ++tx)
-        use(Size3{tx, ty, tz}, Size3{tx + shift.x, ty + shift.y, tz + shift.z});
-}
-
-template <class A, class B>
-bool same_bytes(const A& a, const B& b) {
-  return std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-}
-
 // Puts the tiles of windows into a field.
 class TileMerge {
  public:
   explicit TileMerge(DistanceField& field) : field_(field) {}
 
   void take(const NewWindow& window) {
-    for_each_tile(window, field_.grid(), [&](const Size3& from, const Size3& to) {
-      const auto values = window.field.tile(from.x, from.y, from.z);
-      const auto old = field_.tile(to.x, to.y, to.z);
-      if (values && old)
-        replace(window.field, from, to);
-      else if (values)
-        store(window.field, from, to);
-      else
-        clear(window.field.background(from.x, from.y, from.z) < 0, old.has_value(), to);
-    });
+    const Size3 tiles = DistanceField::tiles_of(window.grid.size);
+    Size3 shift;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      shift[axis] = (window.grid.first[axis] - field_.grid().first[axis]) / kTileSide;
+    auto slot = window.slots.begin();
+    for (std::int64_t tz = 0; tz < tiles.z; ++tz)
+      for (std::int64_t ty = 0; ty < tiles.y; ++ty)
+        for (std::int64_t tx = 0; tx < tiles.x; ++tx) {
+          const Size3 at{tx + shift.x, ty + shift.y, tz + shift.z};
+          if (*slot >= 0)
+            store(window, *slot, at);
+          else
+            clear(*slot == DistanceField::kInside, at);
+          ++slot;
+        }
   }
   // Takes out the tiles that are no longer stored. Returns how many tiles changed.
   std::int64_t finish() {
@@ -157,35 +158,33 @@ class TileMerge {
   }
 
  private:
-  void replace(const DistanceField& from_field, const Size3& from, const Size3& to) {
-    const auto values = *from_field.tile(from.x, from.y, from.z);
-    const std::span<float> into = field_.edit_tile(to.x, to.y, to.z);
-    bool same = same_bytes(values, into);
-    if (!same) std::ranges::copy(values, into.begin());
-    if (field_.has_nearest()) {
-      const auto nearest = *from_field.tile_nearest(from.x, from.y, from.z);
-      const std::span<std::uint32_t> nearest_into = field_.store_nearest(to.x, to.y, to.z);
-      same &= same_bytes(nearest, nearest_into);
-      std::ranges::copy(nearest, nearest_into.begin());
-    }
-    changed_ += !same;
-  }
-  void store(const DistanceField& from_field, const Size3& from, const Size3& to) {
-    std::ranges::copy(*from_field.tile(from.x, from.y, from.z), field_.store_tile(to.x, to.y, to.z).begin());
+  bool is_stored(const Size3& at) const { return field_.tile(at.x, at.y, at.z).has_value(); }
+
+  void store(const NewWindow& window, std::int32_t slot, const Size3& at) {
+    const bool is_new = !is_stored(at);
+    bool changed = put(NewWindow::tile(window.values, slot),
+                       is_new ? field_.store_tile(at.x, at.y, at.z) : field_.edit_tile(at.x, at.y, at.z));
     if (field_.has_nearest())
-      std::ranges::copy(*from_field.tile_nearest(from.x, from.y, from.z),
-                        field_.store_nearest(to.x, to.y, to.z).begin());
-    ++changed_;
+      changed |= put(NewWindow::tile(window.nearest, slot), field_.store_nearest(at.x, at.y, at.z));
+    changed_ += changed || is_new;
   }
-  void clear(bool inside, bool is_stored, const Size3& at) {
-    const bool was_inside = !is_stored && field_.background(at.x, at.y, at.z) < 0;
-    if (is_stored) {
+  // Returns whether other bits were there.
+  template <class T>
+  static bool put(std::span<const T> tile, std::span<T, kTileSamples> into) {
+    if (std::memcmp(tile.data(), into.data(), into.size_bytes()) == 0) return false;
+    std::ranges::copy(tile, into.begin());
+    return true;
+  }
+
+  void clear(bool inside, const Size3& at) {
+    if (is_stored(at)) {
       erased_.push_back(at);
       if (inside) inside_.push_back(at);
-    } else if (inside != was_inside) {
+    } else {
+      if (inside == (field_.background(at.x, at.y, at.z) < 0)) return;
       inside ? field_.mark_inside(at.x, at.y, at.z) : field_.mark_outside(at.x, at.y, at.z);
     }
-    changed_ += is_stored || inside != was_inside;
+    ++changed_;
   }
 
   DistanceField& field_;
@@ -203,6 +202,7 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
     anew = global_reason();
     if (anew.empty()) anew = find_windows(changed);
     if (anew.empty()) anew = decide_sign();
+    if (anew.empty()) hash_mesh();
   });
   report_.seconds.prepare = watch.lap();
   if (!anew.empty()) {
@@ -218,10 +218,12 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
         triangles_of(after_, plan_->grid, grids, reach, by_rows(), progress_);
     report_.seconds.prepare += watch.lap();
     progress_.stage("gather", static_cast<std::int64_t>(windows_.size()), 0.1, 0.9);
+    DistanceField scratch;  // keeps its memory from window to window
     for (std::size_t n = 0; n < windows_.size(); ++n) {
-      compute(triangles[n], windows_[n]);
+      compute(triangles[n], windows_[n].grid, scratch);
       report_.seconds.compute += watch.lap();
-      sign(triangles[n], windows_[n].field);
+      sign(triangles[n], scratch);
+      windows_[n].copy(scratch);
       report_.seconds.sign += watch.lap();
       progress_.advance();
     }
@@ -243,11 +245,19 @@ void FieldUpdate::check_field() const {
   expect_arrays(after_, "after");
   if (field_.slots().empty())
     throw Error(ErrorCode::usage, "update: the field is empty; give one that compute() has filled");
+}
+
+// Hashes the new mesh. Hashing the one before takes as long again, so only who gives one mesh twice, having changed it
+// in its place, or the meshes in the wrong order, is found out.
+void FieldUpdate::hash_mesh() {
+  if (!options_.hash_mesh) return;
+  hash_ = content_hash(after_);
   const std::uint64_t known = field_.provenance().mesh_hash;
-  if (options_.hash_mesh && known != 0 && content_hash(before_) != known)
-    throw Error(ErrorCode::usage,
-                "update: the field is not that of the mesh before: their hashes differ; give the mesh that the field "
-                "was computed of, or updated to");
+  if (known == 0 || (known == hash_) == change_.triangles.empty()) return;
+  if (known != hash_ && content_hash(before_) == known) return;  // other indices, or vertices that no triangle uses
+  throw Error(ErrorCode::usage,
+              "update: the field is not that of the mesh before, as its hash shows; give the mesh that the field was "
+              "computed of, or updated to, as it was then");
 }
 
 // Why windows cannot do, as far as field and options show it. Nothing where they may do.
@@ -283,9 +293,9 @@ std::string FieldUpdate::find_windows(std::span<const std::uint32_t> changed) {
   DirtyBricks dirty(grid);
   dirty.mark_reached(change_, reach_beyond_rounding(grid, whole.thickness));
   if (options_.sign.method != SignMethod::none && options_.sign.method != SignMethod::shell)
-    for (const Box& box : enclosing_boxes(change_)) dirty.mark(box.grown(grid.max_spacing()));
+    for (const Box& box : enclosing_boxes(change_)) dirty.mark(box.grown(rounding_of_places(grid)));
   if (2 * dirty.count() > dirty.all()) return "more than half of the grid may change";
-  for (const Grid& window : dirty.windows()) windows_.push_back({window, {}});
+  for (const Grid& window : dirty.windows()) windows_.push_back({window, {}, {}, {}});
   report_.windows = std::ssize(windows_);
   plan_ = make_plan(whole.triangles, grid, field_.thickness(), options_, false, largest_window());
   check_mesh(after_, *plan_, options_);
@@ -329,20 +339,21 @@ bool FieldUpdate::was_closed(bool oriented) const {
   return oriented ? same.oriented : same.unoriented;
 }
 
-void FieldUpdate::compute(const WindowTriangles& triangles, NewWindow& window) {
-  window.field.reset(window.grid, field_.thickness(), field_.has_nearest());
-  report_.tiles_computed += tile_count(window.grid.size);
+void FieldUpdate::compute(const WindowTriangles& triangles, const Grid& window, DistanceField& field) {
+  field.reset(window, field_.thickness(), field_.has_nearest());
+  report_.tiles_computed += tile_count(window.size);
   if (triangles.near.empty()) return;
-  const BackendRow& row = find_backend(options_.execution.backend, options_.method, std::ssize(triangles.near), window.grid);
+  const BackendRow& row =
+      find_backend(options_.execution.backend, options_.method, std::ssize(triangles.near), window);
   const ProgressCallback check = [this](const Progress&) {
     progress_.check();
     return true;
   };
   ProgressMeter meter(check);
-  Sink sink(window.field);
+  Sink sink(field);
   row.run({.mesh = after_,
            .kept = triangles.near,
-           .grid = window.grid,
+           .grid = window,
            .thickness = plan_->thickness,
            .threads = plan_->threads,
            .simd = options_.execution.simd,
@@ -362,7 +373,6 @@ void FieldUpdate::sign(const WindowTriangles& triangles, DistanceField& field) {
 }
 
 void FieldUpdate::merge() {
-  if (options_.hash_mesh) hash_ = content_hash(after_);
   Provenance provenance = field_.provenance();
   provenance.mesh_hash = hash_;
   try {

@@ -331,6 +331,18 @@ TEST(Update, NothingChanges) {
   expect_same(field, same);
 }
 
+TEST(Update, OtherIndicesAreNoChange) {
+  const Mesh mesh = ball();
+  Mesh after = mesh;
+  after.vertices.push_back({1, 2, 3});
+  std::swap(after.vertices[3], after.vertices[90]);
+  for (Triangle& t : after.triangles)
+    for (std::uint32_t& v : t) v = v == 3 ? 90 : v == 90 ? 3 : v;
+  const UpdateReport report = expect_update(mesh, after, kThin, by(SignMethod::automatic));
+  EXPECT_EQ(report.anew, false);
+  EXPECT_EQ(report.triangles_changed, 0);
+}
+
 // One after the other, no error is left behind.
 void update_on_and_on(const ComputeOptions& options, double thickness, int rounds) {
   Random random(5);
@@ -384,6 +396,7 @@ TEST(Update, ErrorsLeaveTheFieldAsItWas) {
   broken.vertices[after.triangles[changed[0]][1]].y = 1e300;
   expect_error([&] { update_field(before, broken, changed, field, options); }, ErrorCode::limit, "farther than");
   expect_error([&] { update_field(after, before, changed, field, options); }, ErrorCode::usage, "not that of the mesh");
+  expect_error([&] { update_field(after, after, {}, field, options); }, ErrorCode::usage, "not that of the mesh");
   const std::vector<std::uint32_t> beyond{static_cast<std::uint32_t>(before.triangles.size())};
   expect_error([&] { update_field(before, after, beyond, field, options); }, ErrorCode::usage, "neither mesh has it");
   const MeshView null{{static_cast<const double*>(nullptr), 5}, before.triangles};
