@@ -44,11 +44,12 @@ bool same(const DistanceField& a, const DistanceField& b) {
   });
 }
 
-nlohmann::json run(const Workload& work, double share, double height, bool with_sign) {
+nlohmann::json run(const Workload& work, double share, double height, const std::string& sign) {
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
   ComputeOptions options = bench::signed_options(work);
-  if (!with_sign) options.sign.method = SignMethod::none;
+  if (sign == "none") options.sign.method = SignMethod::none;
+  options.sign.as_oriented = sign == "as-oriented";
   const Mesh other = moved(work.mesh, share, height * work.grid.max_spacing());
   const Mesh* meshes[] = {&work.mesh, &other};
   std::vector<double> anew, update, find, anew_cpu, update_cpu;
@@ -90,9 +91,10 @@ int main(int argc, char** argv) {
   CLI::App app("an update of a field beside computing it anew", "bench_update");
   const bench::WorkloadOptions options(app);
   double share = 0.01, height = 3;
-  bool with_sign = false;
+  std::string sign = "none";
   app.add_option("--share", share, "of the triangles, which move")->check(CLI::Range(0.0, 1.0));
   app.add_option("--height", height, "of the bump, in samples");
-  app.add_flag("--sign", with_sign, "with a sign by the winding number");
-  return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, share, height, with_sign); });
+  app.add_option("--sign", sign, "by the winding number, of the mesh as it is oriented or not, or none")
+      ->check(CLI::IsMember({"none", "winding", "as-oriented"}));
+  return run_driver(app, options, argc, argv, [&](const Workload& work) { return run(work, share, height, sign); });
 }

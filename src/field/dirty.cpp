@@ -137,17 +137,17 @@ namespace {
 
 std::int64_t bricks_along(std::int64_t samples) { return (samples + kBrickSide - 1) / kBrickSide; }
 
-Size3 bricks_of(const Grid& grid) {
+Size3 size_in_bricks(const Grid& grid) {
   return {bricks_along(grid.size.x), bricks_along(grid.size.y), bricks_along(grid.size.z)};
 }
 
-std::size_t index_of(const Size3& bricks, std::int64_t x, std::int64_t y, std::int64_t z) {
+std::size_t brick_index(const Size3& bricks, std::int64_t x, std::int64_t y, std::int64_t z) {
   return static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z));
 }
 
 }  // namespace
 
-DirtyBricks::DirtyBricks(const Grid& grid) : grid_(grid), bricks_(bricks_of(grid)) {
+DirtyBricks::DirtyBricks(const Grid& grid) : grid_(grid), bricks_(size_in_bricks(grid)) {
   marks_.resize(static_cast<std::size_t>(bricks_.count()));
 }
 
@@ -173,7 +173,7 @@ std::int64_t DirtyBricks::count() const { return std::ranges::count(marks_, std:
 bool DirtyBricks::is_dirty(const Size3& low, const Size3& high) const {
   for (std::int64_t z = low.z; z < high.z; ++z)
     for (std::int64_t y = low.y; y < high.y; ++y) {
-      const auto row = marks_.begin() + static_cast<std::ptrdiff_t>(index_of(bricks_, 0, y, z));
+      const auto row = marks_.begin() + static_cast<std::ptrdiff_t>(brick_index(bricks_, 0, y, z));
       if (std::find(row + low.x, row + high.x, std::uint8_t{0}) != row + high.x) return false;
     }
   return true;
@@ -182,7 +182,7 @@ bool DirtyBricks::is_dirty(const Size3& low, const Size3& high) const {
 void DirtyBricks::set(const Size3& low, const Size3& high, std::uint8_t mark) {
   for (std::int64_t z = low.z; z < high.z; ++z)
     for (std::int64_t y = low.y; y < high.y; ++y)
-      std::memset(&marks_[index_of(bricks_, low.x, y, z)], mark, static_cast<std::size_t>(high.x - low.x));
+      std::memset(&marks_[brick_index(bricks_, low.x, y, z)], mark, static_cast<std::size_t>(high.x - low.x));
 }
 
 // Takes the first brick that is left, and bricks beside it along x, y and z as far as all of a layer are left.
@@ -222,7 +222,7 @@ constexpr std::int32_t kNoWindow = -1;
 class BrickFinder {
  public:
   explicit BrickFinder(const Grid& grid) : corner_(grid.corner()) {
-    const Size3 bricks = bricks_of(grid);
+    const Size3 bricks = size_in_bricks(grid);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       per_brick_[axis] = 1 / (kBrickSide * grid.spacing[axis]);
       last_[axis] = static_cast<double>(bricks[axis] - 1);
@@ -240,7 +240,11 @@ class BrickFinder {
 class WindowMap {
  public:
   WindowMap(const Grid& grid, std::span<const Grid> windows, double reach)
-      : windows_(windows), bricks_(bricks_of(grid)), finder_(grid), margin_(rounding_of_places(grid)), reach_(reach) {
+      : windows_(windows),
+        bricks_(size_in_bricks(grid)),
+        finder_(grid),
+        margin_(rounding_of_places(grid)),
+        reach_(reach) {
     of_brick_.assign(static_cast<std::size_t>(bricks_.count()), kNoWindow);
     of_column_.resize(static_cast<std::size_t>(bricks_.y * bricks_.z));
     for (std::size_t w = 0; w < windows.size(); ++w) add(grid, w);
@@ -257,7 +261,7 @@ class WindowMap {
     for (std::int64_t z = finder_.at(grown.min.z, 2), z_end = finder_.at(grown.max.z, 2); z <= z_end; ++z)
       for (std::int64_t y = finder_.at(grown.min.y, 1), y_end = finder_.at(grown.max.y, 1); y <= y_end; ++y)
         for (std::int64_t x = finder_.at(grown.min.x, 0), x_end = finder_.at(grown.max.x, 0); x <= x_end; ++x)
-          if (const std::int32_t window = of_brick_[index_of(bricks_, x, y, z)]; window != kNoWindow) use(window);
+          if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow) use(window);
   }
   // The same for windows whose rows may cross the box.
   template <class Use>
@@ -274,8 +278,8 @@ class WindowMap {
 
  private:
   static bool touch(const Box& a, const Box& b) {
-    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
-           a.min.z <= b.max.z && b.min.z <= a.max.z;
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+           b.min.z <= a.max.z;
   }
 
   void add(const Grid& grid, std::size_t w) {
@@ -289,7 +293,7 @@ class WindowMap {
       for (std::int64_t y = low.y; y < high.y; ++y) {
         of_column_[static_cast<std::size_t>(y + bricks_.y * z)].push_back(static_cast<std::int32_t>(w));
         for (std::int64_t x = low.x; x < high.x; ++x)
-          of_brick_[index_of(bricks_, x, y, z)] = static_cast<std::int32_t>(w);
+          of_brick_[brick_index(bricks_, x, y, z)] = static_cast<std::int32_t>(w);
       }
     const Box box = window.bounds();
     for (Box* all : {&reached_, &crossed_}) {
@@ -307,21 +311,21 @@ class WindowMap {
   std::vector<std::vector<std::int32_t>> of_column_;
 };
 
-struct Found {
+struct Needed {
   std::int32_t window;
   std::uint32_t triangle;
 };
 
 // What one pass over some triangles found, in their order.
-struct FoundInChunk {
-  std::vector<Found> near, crossed;
+struct NeededInChunk {
+  std::vector<Needed> near, crossed;
 };
 
 // Adds each window of a triangle once: remembers the triangle that a window got last.
 class OncePerWindow {
  public:
   explicit OncePerWindow(std::size_t windows) : last_(windows, kNoTriangle) {}
-  void add(std::int32_t window, std::uint32_t triangle, std::vector<Found>& to) {
+  void add(std::int32_t window, std::uint32_t triangle, std::vector<Needed>& to) {
     if (std::exchange(last_[static_cast<std::size_t>(window)], triangle) != triangle) to.push_back({window, triangle});
   }
 
@@ -340,11 +344,11 @@ std::vector<WindowTriangles> triangles_of(MeshView mesh, const Grid& grid, std::
     OncePerWindow near, crossed;
   };
   PerThread<Seen> seen([&] { return Seen{OncePerWindow(windows.size()), OncePerWindow(windows.size())}; });
-  std::vector<FoundInChunk> chunks((triangles + kChunk - 1) / kChunk);
+  std::vector<NeededInChunk> chunks((triangles + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
     progress.check();
     Seen& mine = seen.local();
-    FoundInChunk& found = chunks[chunk];
+    NeededInChunk& found = chunks[chunk];
     for (std::size_t t = kChunk * chunk; t < std::min(triangles, kChunk * (chunk + 1)); ++t) {
       const Box box = triangle_box(mesh, t);
       const auto triangle = static_cast<std::uint32_t>(t);
@@ -354,9 +358,9 @@ std::vector<WindowTriangles> triangles_of(MeshView mesh, const Grid& grid, std::
     }
   });
   std::vector<WindowTriangles> all(windows.size());
-  for (const FoundInChunk& chunk : chunks) {
-    for (const Found& one : chunk.near) all[static_cast<std::size_t>(one.window)].near.push_back(one.triangle);
-    for (const Found& one : chunk.crossed) all[static_cast<std::size_t>(one.window)].crossed.push_back(one.triangle);
+  for (const NeededInChunk& chunk : chunks) {
+    for (const Needed& one : chunk.near) all[static_cast<std::size_t>(one.window)].near.push_back(one.triangle);
+    for (const Needed& one : chunk.crossed) all[static_cast<std::size_t>(one.window)].crossed.push_back(one.triangle);
   }
   return all;
 }

@@ -114,7 +114,9 @@ class FieldUpdate {
   void compute_anew(std::string why);
   Size3 largest_window() const;
 
-  bool by_rows() const { return sign_.report.method == SignMethod::winding || sign_.report.method == SignMethod::parity; }
+  bool by_rows() const {
+    return sign_.report.method == SignMethod::winding || sign_.report.method == SignMethod::parity;
+  }
 
   const MeshView before_, after_;
   DistanceField& field_;
@@ -343,8 +345,7 @@ void FieldUpdate::compute(const WindowTriangles& triangles, const Grid& window, 
   field.reset(window, field_.thickness(), field_.has_nearest());
   report_.tiles_computed += tile_count(window.size);
   if (triangles.near.empty()) return;
-  const BackendRow& row =
-      find_backend(options_.execution.backend, options_.method, std::ssize(triangles.near), window);
+  const BackendRow& row = find_backend(options_.execution.backend, options_.method, std::ssize(triangles.near), window);
   const ProgressCallback check = [this](const Progress&) {
     progress_.check();
     return true;
@@ -400,8 +401,8 @@ void FieldUpdate::compute_anew(std::string why) {
 
 }  // namespace
 
-UpdateReport update_field(MeshView before, MeshView after, std::span<const std::uint32_t> changed,
-                          DistanceField& field, const ComputeOptions& options) try {
+UpdateReport update_field(MeshView before, MeshView after, std::span<const std::uint32_t> changed, DistanceField& field,
+                          const ComputeOptions& options) try {
   validate(field.thickness(), options);
   return FieldUpdate(before, after, field, options).run(changed);
 } catch (...) {

@@ -186,10 +186,13 @@ TEST(Update, ScatteredMoves) {
 TEST(Update, BumpsFlipMarks) {
   const Mesh before = at_grid(solid_ball(0.7, 12));
   const Mesh after = dented(before, kFar + Vec3{0.7, 0, 0}, 0.25, {-0.9, 0.05, 0.03});
-  const auto marks = [](const DistanceField& field) { return std::ranges::count(field.slots(), DistanceField::kInside); };
+  const auto marks = [](const DistanceField& field) {
+    return std::ranges::count(field.slots(), DistanceField::kInside);
+  };
   const ComputeOptions options = by(SignMethod::winding);
   const double thin = 0.02;
-  EXPECT_NE(marks(compute(before, kUpdateGrid, thin, options).field), marks(compute(after, kUpdateGrid, thin, options).field));
+  EXPECT_NE(marks(compute(before, kUpdateGrid, thin, options).field),
+            marks(compute(after, kUpdateGrid, thin, options).field));
   for (const WindingRule rule : {WindingRule::positive, WindingRule::nonzero, WindingRule::odd})
     for (const bool invert : {false, true}) {
       ComputeOptions asked = options;
@@ -223,7 +226,8 @@ TEST(Update, PartsMove) {
 
 TEST(Update, EverySign) {
   Random random(3);
-  const std::vector<Mesh> meshes{ball(), open_ball(), at_grid(random_soup(3, 400, 1, 0.1)), at_grid(nasty_soup(3, 60, 1))};
+  const std::vector<Mesh> meshes{ball(), open_ball(), at_grid(random_soup(3, 400, 1, 0.1)),
+                                 at_grid(nasty_soup(3, 60, 1))};
   for (const SignMethodInfo& sign : kSignMethods)
     for (std::size_t n = 0; n < meshes.size(); ++n)
       for (const bool invert : {false, true}) {
@@ -267,7 +271,9 @@ TEST(Update, AnewWhereItMustBe) {
   EXPECT_TRUE(expect_update(before, all, 0.2, winding, small).anew);
   // Its octants face in and out.
   const Mesh unoriented = at_grid(ball_mesh(1, 12));
-  EXPECT_TRUE(expect_update(unoriented, dented(unoriented, unoriented.vertices[50], 0.2, {0.1, 0, 0}), 0.2, winding, small).anew);
+  EXPECT_TRUE(
+      expect_update(unoriented, dented(unoriented, unoriented.vertices[50], 0.2, {0.1, 0, 0}), 0.2, winding, small)
+          .anew);
   // Closed before, open afterwards, and the other way round.
   const ComputeOptions automatic = by(SignMethod::automatic);
   EXPECT_TRUE(expect_update(before, open_ball(), kThin, automatic).anew);
@@ -427,7 +433,8 @@ TEST(Update, ChangedTriangles) {
   std::swap(after.vertices[3], after.vertices[90]);
   std::vector<std::uint32_t> expected;
   for (std::uint32_t t = 0; t < before.triangles.size(); ++t)
-    if (std::ranges::any_of(before.triangles[t], [](std::uint32_t v) { return v == 3 || v == 90; })) expected.push_back(t);
+    if (std::ranges::any_of(before.triangles[t], [](std::uint32_t v) { return v == 3 || v == 90; }))
+      expected.push_back(t);
   EXPECT_EQ(changed_triangles(before, after), expected);
   // Other indices of the same corners are no change.
   for (Triangle& t : after.triangles)
