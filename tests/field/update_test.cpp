@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scenes.h"
+#include "standoff/testing/emulation.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
@@ -351,6 +351,24 @@ TEST(Update, OtherIndicesAreNoChange) {
   const UpdateReport report = expect_update(mesh, after, kThin, by(SignMethod::automatic));
   EXPECT_EQ(report.anew, false);
   EXPECT_EQ(report.triangles_changed, 0);
+}
+
+// A field of a window has its bricks where the whole grid has them.
+TEST(Update, FieldsOfWindows) {
+  const Grid window = kUpdateGrid.window({16, 32, 48}, {72, 61, 69});
+  const Mesh before = ball();
+  const Mesh after = dented(before, kFar + Vec3{0.2, 0.2, 0.9}, 0.3, {0.1, 0.1, -0.2});
+  for (const SignMethod method : {SignMethod::none, SignMethod::winding})
+    EXPECT_FALSE(expect_update(before, after, kThin, by(method), window).anew);
+}
+
+TEST(Update, OnAnEmulatedGpu) {
+  ComputeOptions options = by(SignMethod::winding);
+  options.execution.backend = kEmulated;
+  options.nearest = true;
+  const Mesh before = at_grid(solid_ball(1, 4));
+  const Mesh after = dented(before, kFar + Vec3{0, 0, 1}, 0.4, {0.1, 0.1, -0.2});
+  EXPECT_FALSE(expect_update(before, after, kThin, options).anew);
 }
 
 // One after the other, no error is left behind.
