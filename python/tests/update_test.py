@@ -3,9 +3,8 @@
 
 import numpy as np
 import pytest
-from shapes import sphere
-
 import standoff as so
+from shapes import sphere
 
 
 def dented(vertices):
