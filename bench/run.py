@@ -14,6 +14,7 @@
   run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
   run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
   run.py windows         fields in 64 windows beside whole fields
+  run.py update          updates of fields after 1 % of the triangles moved, beside computing anew
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
@@ -41,6 +42,7 @@ import sidecar_costs
 import sign
 import skip_rules
 import thesis_tables
+import update
 import windows
 from harness import BENCH, Drivers
 
@@ -48,7 +50,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "sidecars", "render", "python", "batch", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -110,6 +112,8 @@ def main():
             measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
         more = {"count": arguments.count} if arguments.what == "points" else {}
         return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
+    if arguments.what == "update":
+        return update.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
     if arguments.what == "windows":
         return windows.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
     if arguments.what == "skip":

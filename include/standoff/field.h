@@ -154,6 +154,8 @@ class STANDOFF_API DistanceField {
   /// Sets the background() of a tile that is not stored to -thickness. Safe to call from many threads for different
   /// tiles. Errors: usage (the tile is stored, no such tile, or an empty field).
   void mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz);
+  /// Sets it to the thickness again. Errors: as mark_inside().
+  void mark_outside(std::int64_t tx, std::int64_t ty, std::int64_t tz);
   /// Removes a stored tile; its background() is then the thickness. The tile in the last slot moves into the free slot,
   /// which invalidates spans of its values. Takes one pass over slots(). Errors: usage (the tile is not stored).
   void erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz);

@@ -26,6 +26,7 @@ void add_meshes(nb::module_& m);
 void add_fields(nb::module_& m);
 void add_windows(nb::module_& m);
 void add_stores(nb::module_& m);
+void add_updates(nb::module_& m);
 void add_queries(nb::module_& m);
 void add_surfaces(nb::module_& m);
 void add_bodies(nb::module_& m);

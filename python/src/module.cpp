@@ -14,6 +14,7 @@ NB_MODULE(_core, m) {
   add_fields(m);
   add_windows(m);
   add_stores(m);
+  add_updates(m);
   add_queries(m);
   add_surfaces(m);
   add_bodies(m);

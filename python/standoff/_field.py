@@ -12,7 +12,7 @@ from . import _core
 from ._arrays import Points, dlpack_of, numbers
 from ._checks import PathLike, flag, name, number, path_of, text, threads_of, whole_number
 from ._files import expect_file, packed
-from ._options import Grid, SignReport, memory_limit_of, memory_text
+from ._options import Grid, Progress, Sign, SignReport, memory_limit_of, memory_text
 from ._page import Page
 from ._picture import Picture
 
@@ -353,6 +353,46 @@ class DistanceField:
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())
+
+    # Of a mesh that moves.
+
+    def update(
+        self,
+        mesh: Any,
+        *,
+        before: Any,
+        changed: Any = None,
+        moved: Any = None,
+        sign: str | Sign | None = "auto",
+        method: str = "tiles",
+        device: str = "auto",
+        threads: int = 0,
+        memory_limit: int | None = None,
+        progress: Progress = None,
+    ) -> DistanceField:
+        """The field of a mesh that differs in part from this field's mesh, bit for bit as `field` computes it.
+
+        Only tiles that can change are computed; docs/update.md says which these are, and when all are. The field
+        itself does not change: the new one is a copy where nothing moved. Its `computation` has the keys ``anew``
+        (whether all was computed), ``why``, ``triangles_changed``, ``windows``, ``tiles_computed``, ``tiles_changed``
+        and ``seconds``.
+
+        Args:
+            mesh: as it is now; anything that `field` takes.
+            before: as it was when this field was computed. Keep a copy if you move vertices in place.
+            changed: indices of the triangles whose corners differ, or True for each that does; None compares the meshes.
+                Where a triangle that moved is missing, the field is wrong.
+            moved: the same by vertices: all triangles with one of these changed.
+            sign, method, device, threads, memory_limit, progress: as for `field`, and those that this field was
+                computed with.
+
+        Raises:
+            UsageError, ValueError: `changed` or `moved` are no indices of the mesh; `before` cannot be the field's mesh.
+            As `field`.
+        """
+        from ._update import updated  # late: it makes fields
+
+        return updated(self, mesh, before, changed, moved, sign, method, (threads, device), memory_limit, progress)
 
     # Copies.
 

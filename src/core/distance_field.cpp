@@ -196,6 +196,12 @@ void DistanceField::mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t t
   entry = kInside;
 }
 
+void DistanceField::mark_outside(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+  std::int32_t& entry = entry_of(tx, ty, tz);
+  if (entry >= 0) fail_field([=] { return "the tile " + index_text(tx, ty, tz) + " is stored; erase it"; });
+  entry = kOutside;
+}
+
 void DistanceField::erase_tile(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
   const Size3 tile{tx, ty, tz};
   erase_tiles(std::span(&tile, 1));

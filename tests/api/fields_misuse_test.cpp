@@ -10,6 +10,7 @@
 #include "standoff/slabs.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
+#include "standoff/update.h"
 #include "standoff/verify.h"
 #include "standoff/windows.h"
 #include "tests/api/misuse.h"
@@ -70,6 +71,28 @@ TEST(Misuse, Windows) {
     }
   for (const Mesh& mesh : unusable_meshes())
     expect_answer_or_error("mesh", [&] { WindowComputation(mesh, kFieldGrid, 1, {9, 9, 9}, on_cpu()); });
+}
+
+TEST(Misuse, Updates) {
+  const Mesh triangle = one_triangle();
+  const DistanceField computed = compute(triangle, kFieldGrid, 1, on_cpu()).field;
+  for (const bool hash : {false, true})
+    for (const Mesh& mesh : unusable_meshes()) {
+      ComputeOptions options = on_cpu();
+      options.hash_mesh = hash;
+      std::vector<std::uint32_t> all;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) all.push_back(t);
+      for (const std::vector<std::uint32_t>& changed : {all, {}, {0}, {kNoTriangle}, {7, 0, 7}}) {
+        DistanceField field = computed;
+        expect_answer_or_error("after", [&] { update_field(triangle, mesh, changed, field, options); });
+        field = computed;
+        expect_answer_or_error("before", [&] { update_field(mesh, triangle, changed, field, options); });
+      }
+      expect_answer_or_error("changed", [&] { static_cast<void>(changed_triangles(triangle, mesh)); });
+      expect_answer_or_error("changed", [&] { static_cast<void>(changed_triangles(mesh, triangle)); });
+    }
+  DistanceField empty;
+  expect_usage("empty", [&] { update_field(triangle, triangle, {}, empty, on_cpu()); });
 }
 
 TEST(Misuse, Slabs) {
@@ -240,6 +263,7 @@ void expect_field(const std::string& name, DistanceField& field) {
       expect_answer_or_error(name, [&] { field.tile_nearest(a, b, a); });
       expect_answer_or_error(name, [&] { field.background(a, b, 0); });
       expect_answer_or_error(name, [&] { field.mark_inside(a, b, a); });
+      expect_answer_or_error(name, [&] { field.mark_outside(a, b, a); });
       expect_answer_or_error(name, [&] { field.erase_tile(b, a, b); });
       expect_answer_or_error(name, [&] { field.erase_tiles(std::vector<Size3>{{0, 0, 0}, {a, b, a}}); });
       expect_answer_or_error(name, [&] { field.store_nearest(a, b, b); });

@@ -31,6 +31,7 @@
 #include "standoff/slice.h"
 #include "standoff/surface.h"
 #include "standoff/testing/emulation.h"
+#include "standoff/update.h"
 #include "standoff/verify.h"
 #include "standoff/voxels.h"
 #include "tests/support/heap.h"
@@ -107,6 +108,14 @@ TEST(RefusedMemory, Computing) {
   std::vector<float> values(static_cast<std::size_t>(kGrid.sample_count()));
   std::vector<std::uint32_t> nearest(values.size());
   expect_limit_error("compute_into", [&] { compute_into(kMesh, kGrid, 1, values, nearest, on_cpu()); });
+  const DistanceField field = compute(kMesh, kGrid, 0.5, on_cpu()).field;
+  Mesh moved = kMesh;
+  moved.vertices[moved.triangles[0][0]] = {0.01, 0.02, 0.03};
+  expect_limit_error("changed", [&] { static_cast<void>(changed_triangles(kMesh, moved)); });
+  expect_limit_error("update", [&] {
+    DistanceField updated = field;
+    update_field(kMesh, moved, changed_triangles(kMesh, moved), updated, on_cpu());
+  });
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.execution = {.threads = 1}}); });
   std::vector<double> numbers(3);

@@ -98,6 +98,27 @@ Closed is_closed(MeshView mesh) {
   return is_closed(mesh, [&](std::uint32_t vertex) { return places[vertex]; });
 }
 
+// The sums over all triangles that decide are sums in groups: those of a part can be exchanged.
+Closed same_edges(MeshView a, std::span<const std::uint32_t> of_a, MeshView b, std::span<const std::uint32_t> of_b) {
+  std::uint64_t area = 0;
+  EdgeHash odd;
+  const auto each = [](MeshView mesh, std::span<const std::uint32_t> triangles, const auto& use) {
+    for (const std::uint32_t triangle : triangles) {
+      const auto [p, q, r] = mesh.corners(triangle);
+      use(place_of(p), place_of(q), place_of(r));
+    }
+  };
+  each(a, of_a, [&](const Place& p, const Place& q, const Place& r) {
+    area -= twice_area(p, q, r);
+    odd = odd ^ hash_of_sides(p, q, r);
+  });
+  each(b, of_b, [&](const Place& p, const Place& q, const Place& r) {
+    area += twice_area(p, q, r);
+    odd = odd ^ hash_of_sides(p, q, r);
+  });
+  return {area == 0, (odd.a | odd.b) == 0};
+}
+
 // Whether a closed mesh faces outwards.
 
 namespace {

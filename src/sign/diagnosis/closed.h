@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "standoff/mesh.h"
 
@@ -21,6 +22,11 @@ inline std::int64_t closed_bytes(std::int64_t triangles) { return 16 * triangles
 
 /// Requires a valid mesh. Runs on the threads of the calling TBB arena.
 Closed is_closed(MeshView mesh);
+
+/// Whether the edges of some triangles of a mesh and of those that replace them in another one cancel: then is_closed()
+/// says the same of both meshes, which have all other triangles in common. Looks at these triangles alone, which must
+/// be valid.
+Closed same_edges(MeshView a, std::span<const std::uint32_t> of_a, MeshView b, std::span<const std::uint32_t> of_b);
 
 /// Whether no part of a closed mesh is inside out. True only if the normals of each set of triangles that share
 /// vertices, by index, cancel, as in a closed set, and its volume is positive. Sets without area do not count, but some

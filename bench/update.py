@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Updates of fields after 1 % of the triangles moved, in one place, beside computing anew, by turns in one process. Writes
+update.csv."""
+
+from harness import machine_lines, markdown, results_folder, seconds, write_csv
+
+
+def row(job, line):
+    return {"field": job["what"], "sign": job["sign"], "anew, s": seconds(line["anew_s"]), "update, s": seconds(line["update_s"]),
+            "times": f"{line['anew_s'] / line['update_s']:.1f}",
+            "times, processor": f"{line['anew_cpu_s'] / line['update_cpu_s']:.1f}",
+            "triangles moved": line["changed"], "tiles computed": line["tiles_computed"], "tiles changed": line["tiles_changed"]}
+
+
+def run(drivers, workloads, only, build, note=""):
+    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+    rows = [row(job, drivers.run("update", job["args"], 9)) for job in workloads["update"] if not only or only in job["name"]]
+    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    if not only:
+        write_csv(results_folder() / "update.csv", header, rows)

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "field/dirty.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/hashes.h"
+#include "core/threads.h"
+#include "field/lattice.h"
+#include "geometry/triangle_box.h"
+#include "sign/diagnosis/disjoint_sets.h"
+#include "standoff/error.h"
+
+namespace standoff {
+
+// Which triangles changed.
+
+namespace {
+
+// Throws as validate() does of triangles of a mesh.
+void check_triangle(const MeshView& mesh, std::uint32_t triangle, const char* which) {
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorCode::input,
+                std::string("update: triangle ") + std::to_string(triangle) + " of the mesh " + which + ": " + what +
+                    "; repair the mesh",
+                {.triangle = triangle});
+  };
+  for (const std::uint32_t vertex : mesh.triangles[triangle]) {
+    if (vertex >= mesh.vertices.size()) fail("an index is out of range");
+    if (!is_finite(mesh.vertices[vertex])) fail("vertex " + std::to_string(vertex) + " is not finite");
+  }
+}
+
+bool same_corners(const MeshView& a, const MeshView& b, std::uint32_t triangle) {
+  const auto one = a.corners(triangle), other = b.corners(triangle);
+  return std::memcmp(&one, &other, sizeof one) == 0;
+}
+
+}  // namespace
+
+MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint32_t> listed) {
+  const auto [fewer, more] = std::minmax({before.triangles.size(), after.triangles.size()});
+  MeshChange change{before, after, {listed.begin(), listed.end()}};
+  std::vector<std::uint32_t>& triangles = change.triangles;
+  for (std::size_t t = fewer; t < more; ++t) triangles.push_back(static_cast<std::uint32_t>(t));
+  if (!std::ranges::is_sorted(triangles)) std::ranges::sort(triangles);
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  if (!triangles.empty() && triangles.back() >= more)
+    throw Error(ErrorCode::usage, "update: triangle " + std::to_string(triangles.back()) +
+                                      " is said to have changed, but neither mesh has it; they have " +
+                                      std::to_string(before.triangles.size()) + " and " +
+                                      std::to_string(after.triangles.size()));
+  for (const std::uint32_t t : triangles) {
+    if (change.is_in(before, t)) check_triangle(before, t, "before");
+    if (change.is_in(after, t)) check_triangle(after, t, "after");
+  }
+  std::erase_if(triangles, [&](std::uint32_t t) { return t < fewer && same_corners(before, after, t); });
+  return change;
+}
+
+double rounding_of_places(const Grid& grid) {
+  const Box box = grid.bounds();
+  const double farthest = std::max(max_norm(box.min), max_norm(box.max));
+  return grid.max_spacing() / 64 + 64 * std::numeric_limits<double>::epsilon() * farthest;
+}
+
+// What they may enclose.
+
+namespace {
+
+// Numbers 64-bit keys from 0 on, in the order in which they first come.
+class KeyNumbers {
+ public:
+  explicit KeyNumbers(std::size_t most) : places_(std::bit_ceil(2 * most + 1), Place{0, kNone}) {}
+
+  std::uint32_t of(std::uint64_t key) {
+    const std::size_t last = places_.size() - 1;
+    for (std::size_t at = key & last;; at = (at + 1) & last) {
+      Place& place = places_[at];
+      if (place.number == kNone) place = {key, count_++};
+      if (place.key == key) return place.number;
+    }
+  }
+  std::uint32_t count() const { return count_; }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  struct Place {
+    std::uint64_t key;
+    std::uint32_t number;
+  };
+  std::vector<Place> places_;
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace
+
+// An edge that does not cancel in a set's own triangles cancels with others that changed. These share its corners, and
+// so are in the set. Equal hashes of unequal positions only join more sets.
+std::vector<Box> enclosing_boxes(const MeshChange& change) {
+  const std::size_t triangles = change.triangles.size();
+  KeyNumbers positions(6 * triangles);
+  std::vector<std::array<std::uint32_t, 6>> corners(triangles);
+  const auto each_corner = [&](std::size_t n, const auto& use) {
+    const std::uint32_t t = change.triangles[n];
+    std::size_t k = 0;
+    for (const MeshView& mesh : {change.before, change.after})
+      if (change.is_in(mesh, t))
+        for (const Vec3& corner : mesh.corners(t)) use(k++, corner);
+    return k;
+  };
+  DisjointSets sets(6 * triangles);
+  for (std::size_t n = 0; n < triangles; ++n)
+    each_corner(n, [&](std::size_t k, const Vec3& corner) {
+      corners[n][k] = positions.of(position_hash(corner));
+      sets.join(corners[n][0], corners[n][k]);
+    });
+  std::vector<Box> of_set(positions.count());
+  for (std::size_t n = 0; n < triangles; ++n) {
+    Box& box = of_set[sets.find(corners[n][0]).set];
+    each_corner(n, [&](std::size_t, const Vec3& corner) { box.include(corner); });
+  }
+  std::erase_if(of_set, [](const Box& box) { return box.empty(); });
+  return of_set;
+}
+
+// Dirty bricks.
+
+namespace {
+
+std::int64_t bricks_along(std::int64_t samples) { return (samples + kBrickSide - 1) / kBrickSide; }
+
+Size3 size_in_bricks(const Grid& grid) {
+  return {bricks_along(grid.size.x), bricks_along(grid.size.y), bricks_along(grid.size.z)};
+}
+
+std::size_t brick_index(const Size3& bricks, std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z));
+}
+
+}  // namespace
+
+DirtyBricks::DirtyBricks(const Grid& grid) : grid_(grid), bricks_(size_in_bricks(grid)) {
+  marks_.resize(static_cast<std::size_t>(bricks_.count()));
+}
+
+void DirtyBricks::mark(const Box& box) {
+  const SampleRange samples = samples_in(box, grid_);
+  if (samples.empty()) return;
+  Size3 low, high;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = samples.begin[axis] / kBrickSide;
+    high[axis] = bricks_along(samples.end[axis]);
+  }
+  set(low, high, 1);
+}
+
+void DirtyBricks::mark_reached(const MeshChange& change, double reach) {
+  for (const std::uint32_t t : change.triangles)
+    for (const MeshView& mesh : {change.before, change.after})
+      if (change.is_in(mesh, t)) mark(triangle_box(mesh, t).grown(reach));
+}
+
+std::int64_t DirtyBricks::count() const { return std::ranges::count(marks_, std::uint8_t{1}); }
+
+bool DirtyBricks::is_dirty(const Size3& low, const Size3& high) const {
+  for (std::int64_t z = low.z; z < high.z; ++z)
+    for (std::int64_t y = low.y; y < high.y; ++y) {
+      const auto row = marks_.begin() + static_cast<std::ptrdiff_t>(brick_index(bricks_, 0, y, z));
+      if (std::find(row + low.x, row + high.x, std::uint8_t{0}) != row + high.x) return false;
+    }
+  return true;
+}
+
+void DirtyBricks::set(const Size3& low, const Size3& high, std::uint8_t mark) {
+  for (std::int64_t z = low.z; z < high.z; ++z)
+    for (std::int64_t y = low.y; y < high.y; ++y)
+      std::memset(&marks_[brick_index(bricks_, low.x, y, z)], mark, static_cast<std::size_t>(high.x - low.x));
+}
+
+// Takes the first brick that is left, and bricks beside it along x, y and z as far as all of a layer are left.
+std::vector<Grid> DirtyBricks::windows() const {
+  std::vector<Grid> windows;
+  DirtyBricks left = *this;
+  for (auto next = left.marks_.begin();; ++next) {
+    next = std::find(next, left.marks_.end(), std::uint8_t{1});
+    if (next == left.marks_.end()) return windows;
+    const std::int64_t at = next - left.marks_.begin();
+    const Size3 low{at % bricks_.x, at / bricks_.x % bricks_.y, at / (bricks_.x * bricks_.y)};
+    Size3 high{low.x + 1, low.y + 1, low.z + 1};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (; high[axis] < bricks_[axis]; ++high[axis]) {
+        Size3 from = low, to = high;
+        from[axis] = high[axis];
+        to[axis] = high[axis] + 1;
+        if (!left.is_dirty(from, to)) break;
+      }
+    left.set(low, high, 0);
+    Size3 first, size;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] = kBrickSide * low[axis];
+      size[axis] = std::min(kBrickSide * high[axis], grid_.size[axis]) - first[axis];
+    }
+    windows.push_back(grid_.window(first, size));
+  }
+}
+
+// The triangles of windows.
+
+namespace {
+
+constexpr std::int32_t kNoWindow = -1;
+
+// The brick of a grid that a coordinate is in, by a product and not by a division. Callers allow for its rounding.
+class BrickFinder {
+ public:
+  explicit BrickFinder(const Grid& grid) : corner_(grid.corner()) {
+    const Size3 bricks = size_in_bricks(grid);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      per_brick_[axis] = 1 / (kBrickSide * grid.spacing[axis]);
+      last_[axis] = static_cast<double>(bricks[axis] - 1);
+    }
+  }
+  std::int64_t at(double coordinate, std::size_t axis) const {
+    return static_cast<std::int64_t>(std::clamp((coordinate - corner_[axis]) * per_brick_[axis], 0.0, last_[axis]));
+  }
+
+ private:
+  Vec3 corner_, per_brick_, last_;
+};
+
+// Which window has a brick, and which windows a column of bricks along x passes through.
+class WindowMap {
+ public:
+  WindowMap(const Grid& grid, std::span<const Grid> windows, double reach)
+      : windows_(windows),
+        bricks_(size_in_bricks(grid)),
+        finder_(grid),
+        margin_(rounding_of_places(grid)),
+        reach_(reach) {
+    of_brick_.assign(static_cast<std::size_t>(bricks_.count()), kNoWindow);
+    of_column_.resize(static_cast<std::size_t>(bricks_.y * bricks_.z));
+    for (std::size_t w = 0; w < windows.size(); ++w) add(grid, w);
+    reached_ = reached_.grown(reach_ + margin_);
+    crossed_ = crossed_.grown(margin_);
+  }
+
+  // Calls use(window) for windows within reach of the box, some of them again.
+  template <class Use>
+  void each_near(const Box& box, const Use& use) const {
+    if (!touch(box, reached_)) return;
+    const double grow = reach_ + margin_;
+    const Box grown = box.grown(grow);
+    for (std::int64_t z = finder_.at(grown.min.z, 2), z_end = finder_.at(grown.max.z, 2); z <= z_end; ++z)
+      for (std::int64_t y = finder_.at(grown.min.y, 1), y_end = finder_.at(grown.max.y, 1); y <= y_end; ++y)
+        for (std::int64_t x = finder_.at(grown.min.x, 0), x_end = finder_.at(grown.max.x, 0); x <= x_end; ++x)
+          if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow) use(window);
+  }
+  // The same for windows whose rows may cross the box.
+  template <class Use>
+  void each_crossed(const Box& box, const Use& use) const {
+    if (box.min.x > crossed_.max.x || box.min.y > crossed_.max.y || box.max.y < crossed_.min.y ||
+        box.min.z > crossed_.max.z || box.max.z < crossed_.min.z)
+      return;
+    const Box grown = box.grown(margin_);
+    for (std::int64_t z = finder_.at(grown.min.z, 2), z_end = finder_.at(grown.max.z, 2); z <= z_end; ++z)
+      for (std::int64_t y = finder_.at(grown.min.y, 1), y_end = finder_.at(grown.max.y, 1); y <= y_end; ++y)
+        for (const std::int32_t window : of_column_[static_cast<std::size_t>(y + bricks_.y * z)])
+          if (grown.min.x <= windows_[static_cast<std::size_t>(window)].bounds().max.x) use(window);
+  }
+
+ private:
+  static bool touch(const Box& a, const Box& b) {
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+           b.min.z <= a.max.z;
+  }
+
+  void add(const Grid& grid, std::size_t w) {
+    const Grid& window = windows_[w];
+    Size3 low, high;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = (window.first[axis] - grid.first[axis]) / kBrickSide;
+      high[axis] = low[axis] + bricks_along(window.size[axis]);
+    }
+    for (std::int64_t z = low.z; z < high.z; ++z)
+      for (std::int64_t y = low.y; y < high.y; ++y) {
+        of_column_[static_cast<std::size_t>(y + bricks_.y * z)].push_back(static_cast<std::int32_t>(w));
+        for (std::int64_t x = low.x; x < high.x; ++x)
+          of_brick_[brick_index(bricks_, x, y, z)] = static_cast<std::int32_t>(w);
+      }
+    const Box box = window.bounds();
+    for (Box* all : {&reached_, &crossed_}) {
+      all->include(box.min);
+      all->include(box.max);
+    }
+  }
+
+  std::span<const Grid> windows_;
+  Size3 bricks_;
+  BrickFinder finder_;
+  double margin_, reach_;
+  Box reached_, crossed_;
+  std::vector<std::int32_t> of_brick_;
+  std::vector<std::vector<std::int32_t>> of_column_;
+};
+
+struct Needed {
+  std::int32_t window;
+  std::uint32_t triangle;
+};
+
+// What one pass over some triangles found, in their order.
+struct NeededInChunk {
+  std::vector<Needed> near, crossed;
+};
+
+// Adds each window of a triangle once: remembers the triangle that a window got last.
+class OncePerWindow {
+ public:
+  explicit OncePerWindow(std::size_t windows) : last_(windows, kNoTriangle) {}
+  void add(std::int32_t window, std::uint32_t triangle, std::vector<Needed>& to) {
+    if (std::exchange(last_[static_cast<std::size_t>(window)], triangle) != triangle) to.push_back({window, triangle});
+  }
+
+ private:
+  std::vector<std::uint32_t> last_;
+};
+
+}  // namespace
+
+std::vector<WindowTriangles> triangles_of(MeshView mesh, const Grid& grid, std::span<const Grid> windows, double reach,
+                                          bool with_crossed, ProgressMeter& progress) {
+  constexpr std::size_t kChunk = 16384;
+  const std::size_t triangles = mesh.triangles.size();
+  const WindowMap map(grid, windows, reach);
+  struct Seen {
+    OncePerWindow near, crossed;
+  };
+  PerThread<Seen> seen([&] { return Seen{OncePerWindow(windows.size()), OncePerWindow(windows.size())}; });
+  std::vector<NeededInChunk> chunks((triangles + kChunk - 1) / kChunk);
+  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+    progress.check();
+    Seen& mine = seen.local();
+    NeededInChunk& found = chunks[chunk];
+    for (std::size_t t = kChunk * chunk; t < std::min(triangles, kChunk * (chunk + 1)); ++t) {
+      const Box box = triangle_box(mesh, t);
+      const auto triangle = static_cast<std::uint32_t>(t);
+      map.each_near(box, [&](std::int32_t window) { mine.near.add(window, triangle, found.near); });
+      if (with_crossed)
+        map.each_crossed(box, [&](std::int32_t window) { mine.crossed.add(window, triangle, found.crossed); });
+    }
+  });
+  std::vector<WindowTriangles> all(windows.size());
+  for (const NeededInChunk& chunk : chunks) {
+    for (const Needed& one : chunk.near) all[static_cast<std::size_t>(one.window)].near.push_back(one.triangle);
+    for (const Needed& one : chunk.crossed) all[static_cast<std::size_t>(one.window)].crossed.push_back(one.triangle);
+  }
+  return all;
+}
+
+}  // namespace standoff
