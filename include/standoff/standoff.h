@@ -35,6 +35,7 @@
 #include "standoff/slice.h"
 #include "standoff/surface.h"
 #include "standoff/thesis.h"
+#include "standoff/update.h"
 #include "standoff/vec.h"
 #include "standoff/verify.h"
 #include "standoff/version.h"

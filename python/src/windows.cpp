@@ -47,6 +47,7 @@ class Windows {
     return empty;
   }
   bool is_whole() const { return windows_->is_whole(); }
+  nb::dict sign() const { return sign_dict(windows_->report().sign); }
   const Provenance& provenance() const { return windows_->report().provenance; }
 
  private:
@@ -90,6 +91,7 @@ void add_windows(nb::module_& m) {
       .def("is_empty", &Windows::is_empty, "first"_a, "shape"_a)
       .def("is_reached", &Windows::is_reached, "first"_a, "shape"_a)
       .def_prop_ro("is_whole", &Windows::is_whole)
+      .def_prop_ro("sign", &Windows::sign)
       .def_prop_ro("provenance", &Windows::provenance);
 }
 

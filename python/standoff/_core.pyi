@@ -125,6 +125,9 @@ class Windows:
     def is_whole(self) -> bool: ...
 
     @property
+    def sign(self) -> dict: ...
+
+    @property
     def provenance(self) -> Provenance: ...
 
 class Store:

@@ -11,7 +11,7 @@ from . import _core
 from ._checks import flag, name, runs_on, triple
 from ._field import DistanceField
 from ._mesh import as_mesh
-from ._options import Grid, Progress, Sign, grid_of, memory_limit_of, progress_of, sign_report
+from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
 
 
 class FieldWindows:
@@ -36,6 +36,7 @@ class FieldWindows:
     _grid: Grid
     _thickness: float
     _window: tuple[int, int, int]
+    _sign: SignReport
 
     def __init__(
         self,
@@ -75,6 +76,7 @@ class FieldWindows:
             *runs_on(threads, device),
             memory_limit_of(memory_limit),
         )
+        self._sign = sign_report(self._windows.sign, self._asked, stacklevel=2)
 
     @property
     def grid(self) -> Grid:
@@ -85,6 +87,11 @@ class FieldWindows:
     def thickness(self) -> float:
         """Half-width of the band, world units; infinite for a full field."""
         return self._thickness
+
+    @property
+    def sign(self) -> SignReport:
+        """How the sign was decided, for all windows."""
+        return self._sign
 
     @property
     def is_whole(self) -> bool:
@@ -106,9 +113,8 @@ class FieldWindows:
         at, size = triple(first, "first", whole=True), triple(shape, "shape", whole=True)
         with progress_of(progress, "window") as report:
             native, done = self._windows.field(at, size, report)
-        signs = sign_report(done.pop("sign"), self._asked, stacklevel=2)
-        del done["provenance"], done["method"]
-        return DistanceField._of_native(native, signs, done)
+        del done["provenance"], done["method"], done["sign"]
+        return DistanceField._of_native(native, self._sign, done)
 
     def is_reached(self, first: Sequence[int], shape: Sequence[int]) -> bool:
         """Whether some triangle may be within the thickness of a window. If not, all its values are clamped."""

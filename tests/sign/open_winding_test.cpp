@@ -205,8 +205,9 @@ TEST(OpenWinding, ClosedMeshesAreThoseOfIntegerWinding) {
   ProgressMeter progress(none);
   const Mesh mesh = joined(sphere(8), torus());
   const Grid grid = grid_of(mesh, 40);
+  const auto caps = std::make_shared<const Caps>(Boundary{}, progress);
   for (const WindingRule rule : kRules) {
-    OpenWinding open({mesh}, {}, grid, rule, progress);
+    OpenWinding open({mesh}, caps, grid, rule, progress);
     IntegerWinding closed({mesh}, grid, rule, progress);
     EXPECT_EQ(sides_of(open, grid), sides_of(closed, grid));
     EXPECT_EQ(open.doubtful(), 0);
