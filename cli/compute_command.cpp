@@ -389,7 +389,7 @@ void ComputeCommand::run() {
   const auto start = std::chrono::steady_clock::now();
   const auto [loaded, read] = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read_with_report(); });
   validate(loaded);
-  Plan plan{mesh.name(), loaded, field.choose_grid(mesh.name(), bounds(loaded)), window, output.path().string(),
+  Plan plan{mesh.name(),        loaded, field.choose_grid(mesh.name(), bounds(loaded)), window, output.path().string(),
             output.in_the_way()};
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;

@@ -11,7 +11,9 @@ namespace standoff {
 std::int64_t InsideRows::bytes(const Grid& grid) { return kRows * tiles_along(grid.size.x); }
 
 InsideRows::InsideRows(const Grid& grid, const Grid& window)
-    : size_(grid.size), begin_((window.first.x - grid.first.x) / kSide), bits_(static_cast<std::size_t>(bytes(window))) {
+    : size_(grid.size),
+      begin_((window.first.x - grid.first.x) / kSide),
+      bits_(static_cast<std::size_t>(bytes(window))) {
   size_.x = window.first.x - grid.first.x + window.size.x;
 }
 

@@ -57,8 +57,8 @@ inline double margin(double winding, WindingRule rule) {
 }
 
 /// Which samples of the 64 rows of the tiles (., ty, tz) are inside: eight samples to a byte, the first one in its
-/// lowest bit. Samples beyond the grid are outside. Of a window of the grid only the tiles along x that it has are held;
-/// tiles and samples are counted from the grid's first one.
+/// lowest bit. Samples beyond the grid are outside. Of a window of the grid only the tiles along x that it has are
+/// held; tiles and samples are counted from the grid's first one.
 class InsideRows {
  public:
   static constexpr int kSide = 8;              ///< samples of a tile along an axis: the bits of a byte
@@ -125,7 +125,7 @@ class InsideRows {
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
 
   Size3 size_;
-  std::int64_t begin_;  // the first tile that is held
+  std::int64_t begin_;                            // the first tile that is held
   std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
   std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
   std::vector<std::uint8_t> bits_;  // by tile, then by row
