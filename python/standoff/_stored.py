@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 import threading
 import weakref
 from collections import OrderedDict
@@ -42,6 +40,9 @@ class _Reader:
             return self.store.read(first, shape, limit)
         with self._fetching:
             if self._copy is None:
+                import shutil
+                import tempfile
+
                 self._copy = Path(tempfile.mkdtemp(prefix="standoff-"))
                 weakref.finalize(self, shutil.rmtree, self._copy, True)
                 self._target.copy_metadata(self._copy)
@@ -156,7 +157,8 @@ class StoredField:
         keys += (slice(None),) * (3 - len(keys))
         if len(keys) != 3:
             raise IndexError(f"a field has three axes, not {len(keys)}")
-        first, size, steps = [], [], []
+        first, size = [], []
+        steps: list[slice | int] = []
         for axis, (one, n) in enumerate(zip(keys, self.shape)):
             if isinstance(one, slice):
                 places = range(n)[one]

@@ -4,10 +4,9 @@ their files are copied from one."""
 
 from __future__ import annotations
 
-import json
 import os
-import tempfile
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,6 +16,13 @@ from ._field import DistanceField
 
 Triple = tuple[int, int, int]
 ARRAY = "0"  # of the distances, in a store
+
+
+def _scratch() -> AbstractContextManager[str]:
+    """A folder that is removed with its end."""
+    import tempfile
+
+    return tempfile.TemporaryDirectory(prefix="standoff-")
 
 
 class Files(Protocol):
@@ -130,7 +136,7 @@ class Target:
         files = self.files()
         if overwrite:
             self._clear(files)
-        with tempfile.TemporaryDirectory() as folder:
+        with _scratch() as folder:
             made = _core.create_store(Path(folder) / "new.zarr", *arguments, False)
             names = [path for path in Path(made.path).rglob("*") if path.is_file()]
             # The group last: until then it is no store.
@@ -141,6 +147,8 @@ class Target:
         return (Path(self.url) / "zarr.json").exists() if self.is_folder else self.files().get("zarr.json") is not None
 
     def _clear(self, files: Files) -> None:
+        import json
+
         if files.get("zarr.json") is None:
             return
         try:
@@ -157,7 +165,7 @@ class Target:
         """The store's metadata; of a store that is no folder, of a copy that has no samples."""
         if self.is_folder:
             return _core.open_store(Path(self.url))
-        with tempfile.TemporaryDirectory() as folder:
+        with _scratch() as folder:
             self.copy_metadata(Path(folder))
             return _core.open_store(Path(folder))
 
@@ -189,7 +197,7 @@ class Target:
             _core.open_store(Path(self.url)).write(first, window._native(), threads)
             return
         files = self.files()
-        with tempfile.TemporaryDirectory() as folder:
+        with _scratch() as folder:
             self.copy_metadata(Path(folder))
             _core.open_store(Path(folder)).write(first, window._native(), threads)
             for path in sorted((Path(folder) / ARRAY / "c").rglob("*")):
