@@ -11,6 +11,7 @@
 
 #include "scenes/scenes.h"
 #include "standoff/io.h"
+#include "standoff/windows.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -211,6 +212,22 @@ TEST(Slabs, FilesAreTheSameByteByByte) {
     SlabComputation slabs(ball, kSlabsGrid, 0.07, by(method), kOneLayer);
     write_field(folder / "b.vti", slabs);
     EXPECT_TRUE(read_bytes(folder / "b.vti") == whole);
+  }
+}
+
+// Of a window, whose place .vti alone has room for.
+TEST(Slabs, FilesOfAWindow) {
+  const TempFolder folder;
+  const Mesh ball = ball_mesh(1, 6);
+  WindowComputation windows(ball, kSlabsGrid, 0.15, {16, 32, 32}, by(SignMethod::winding));
+  DistanceField field;
+  windows.compute({16, 0, 32}, {16, 32, 32}, field);
+  for (const std::string name : {"a.vti", "a.npz", "a.nrrd"}) {
+    write_field(folder / name, field);
+    const DistanceField read = read_field(folder / name);
+    EXPECT_EQ(read.grid().corner(), field.grid().corner()) << name;
+    EXPECT_TRUE(bits_of(read.to_dense()) == bits_of(field.to_dense())) << name;
+    EXPECT_EQ(read.grid() == field.grid(), name == "a.vti") << name;
   }
 }
 

@@ -11,15 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "scenes/scenes.h"
-#include "standoff/io.h"
 #include "standoff/sidecars.h"
-#include "standoff/surface.h"
 #include "tests/collision/bodies.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
-#include "tests/support/temp_folder.h"
 
 namespace standoff::testing {
 namespace {
@@ -203,22 +199,6 @@ TEST(Windows, TheirSidecars) {
       }
   EXPECT_GT(compared, 10000);
   EXPECT_EQ(wrong, 0);
-}
-
-// .vti alone has room for the place of a window.
-TEST(Windows, TheirFiles) {
-  const TempFolder folder;
-  const Mesh mesh = moved(ball_mesh(1, 6));
-  WindowComputation windows(mesh, kWindowsGrid, 0.15, {32, 32, 32}, by(SignMethod::winding));
-  DistanceField field;
-  windows.compute({16, 16, 32}, {32, 32, 32}, field);
-  for (const std::string name : {"a.vti", "a.npz", "a.nrrd"}) {
-    write_field(folder / name, field);
-    const DistanceField read = read_field(folder / name);
-    EXPECT_EQ(read.grid().corner(), field.grid().corner()) << name;
-    EXPECT_TRUE(std::ranges::equal(read.to_dense(), field.to_dense())) << name;
-    EXPECT_EQ(read.grid() == field.grid(), name == "a.vti") << name;
-  }
 }
 
 TEST(Windows, OfNothingAreRefused) {
