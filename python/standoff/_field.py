@@ -388,7 +388,7 @@ class DistanceField:
 
         Raises:
             UsageError, ValueError: `changed` or `moved` are no indices of the mesh; `before` cannot be the field's mesh.
-            As `field`.
+            MeshError, UsageError, ValueError, TypeError, LimitError: as `field`.
         """
         from ._update import updated  # late: it makes fields
 

@@ -73,8 +73,8 @@ class _Reader:
 class StoredField:
     """A field in a Zarr store (`standoff.open`). It is read where it is asked for, and may be larger than memory."""
 
-    def __init__(self, target: Target) -> None:
-        self._target = target
+    def __init__(self, target: Any) -> None:  # a Target
+        self._target: Target = target
         self._reader = _Reader(target)
         store = self._reader.store
         lists: Any = store.shape, store.origin, store.spacing  # Grid makes tuples of them

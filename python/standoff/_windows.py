@@ -29,7 +29,7 @@ class FieldWindows:
         memory_limit: bytes of the CPU's memory, as for `field`; it counts the largest window.
 
     Raises:
-        As `field`.
+        MeshError, UsageError, ValueError, TypeError, LimitError, DeviceError: as `field`.
     """
 
     _windows: _core.Windows

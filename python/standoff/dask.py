@@ -418,7 +418,7 @@ def batch(
         options: those of `standoff.batch`, but ``shard`` and ``resume``; ``threads`` by default as many as a worker has.
 
     Raises:
-        As `standoff.batch`; the results of the parts that came to their end are kept.
+        Error, ValueError, TypeError: as `standoff.batch`; the results of the parts that came to their end are kept.
     """
     for name in ("shard", "resume"):
         if name in options:
