@@ -153,7 +153,7 @@ class MeshFolder : public Listing {
       std::error_code ignored;
       if (at->is_directory(ignored) && !at->is_symlink(ignored))
         found.push_back({entry, true});
-      else if (is_mesh_name(at->path().filename()) && !at->is_directory(ignored))
+      else if (is_mesh_name(at->path().filename()) && (at->is_regular_file(ignored) || !at->exists(ignored)))
         found.push_back({entry, false});
     }
     if (error)

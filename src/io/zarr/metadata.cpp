@@ -6,7 +6,10 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -493,10 +496,39 @@ StoreMetadata read_store(const std::filesystem::path& path) {
   return store;
 }
 
+namespace {
+
+// What a store that standoff wrote holds, and nothing else: a file of somebody else is not to be removed with it.
+bool is_of_store(const std::filesystem::path& name) {
+  const auto first = name.begin();
+  if (name == kMetadataName) return true;
+  if (*first != kDistanceName && *first != kNearestName) return false;
+  auto part = std::next(first);
+  if (part == name.end() || (*part == kMetadataName && std::next(part) == name.end())) return true;
+  if (*part != "c") return false;
+  return std::all_of(std::next(part), name.end(), [](const std::filesystem::path& one) {
+    const std::string text = one.string();
+    const bool is_unfinished =
+        text.starts_with(".standoff-") && text.ends_with(".part");  // of a writer that was killed
+    return is_unfinished || text.find_first_not_of("0123456789") == std::string::npos;
+  });
+}
+
+bool holds_a_store_alone(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::recursive_directory_iterator at(folder, error);
+  for (; !error && at != std::filesystem::recursive_directory_iterator(); at.increment(error))
+    if (!is_of_store(at->path().lexically_relative(folder))) return false;
+  return !error;
+}
+
+}  // namespace
+
 bool is_own_store(const std::filesystem::path& path) try {
   const FileView file(path / kDistanceName / kMetadataName);
   const auto attributes = json_of(file).find("attributes");
-  return attributes && attributes->find("standoff") && std::filesystem::exists(path / kMetadataName);
+  return attributes && attributes->find("standoff") && std::filesystem::exists(path / kMetadataName) &&
+         holds_a_store_alone(path);
 } catch (const Error& error) {
   if (error.code() != ErrorCode::input) throw;  // such as memory that runs out
   return false;

@@ -71,7 +71,7 @@ StoreMetadata read_store(const std::filesystem::path& path);
 /// What is_own_store() looks for, in messages.
 inline constexpr const char* kOwnStore = "a Zarr store of standoff";
 
-/// Whether a folder is a store that standoff wrote: it may be replaced. Errors: limit.
+/// Whether a folder is a store that standoff wrote, and holds nothing else: it may be replaced. Errors: limit.
 bool is_own_store(const std::filesystem::path& path);
 
 }  // namespace standoff::zarr

@@ -321,6 +321,17 @@ TEST(ZarrStore, ReplacesStoresOfOursAlone) {
   EXPECT_EQ(ZarrStore::open(path).grid().size, (Size3{3, 3, 3}));
   write_field(folder / "a.zarr/", field);  // with a slash, as shells complete it
   expect_same(read_field(path / ""), field);
+  // What somebody else has put there is not removed with it.
+  for (const char* const name : {"notes.txt", "0/notes.txt", "0/c/notes.txt", "0/c/0/0/0.bak", "1/zarr.json"}) {
+    std::filesystem::create_directories((path / name).parent_path());
+    write_bytes(path / name, "mine");
+    expect_error([&] { write_field(path, field); }, ErrorCode::output, "not a Zarr store of standoff");
+    EXPECT_EQ(read_bytes(path / name), "mine");
+    std::filesystem::remove(path / name);
+    std::filesystem::remove(path / "1");
+  }
+  write_bytes(path / "0/c/.standoff-1-2-3.part", "of a writer that was killed");
+  write_field(path, field);
   std::filesystem::remove(path / "zarr.json");
   expect_error([&] { write_field(path, field); }, ErrorCode::output,
                "a folder is there that is not a Zarr store of standoff");
