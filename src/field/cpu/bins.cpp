@@ -29,9 +29,8 @@ std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int thread
       1, std::min({std::int64_t{4} * threads, kMostCounters / bricks, triangles / kLeastTriangles}));
 }
 
-}  // namespace
-
-class BinBatches::Binning {
+// Which bricks each triangle reaches.
+class Binning {
  public:
   Binning(const Job& job, const BlockLattice& lattice, Reach kind)
       : job_(job), lattice_(lattice), kind_(kind), reach_sq_(cell_reach_sq<kBrickSide>(lattice)) {}
@@ -86,9 +85,28 @@ class BinBatches::Binning {
   double reach_sq_;  // cell_reach_sq() of a brick, grid units
 };
 
+class BinBatches {
+ public:
+  BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach);
+
+  const Bins& bins() const { return bins_; }
+  // Replaces the batch by the next one; false if there is none.
+  bool next();
+
+ private:
+  std::int64_t chunk_begin(std::int64_t chunk) const { return job_.triangle_count() * chunk / chunks_; }
+
+  const Job& job_;
+  const Binning binning_;
+  std::int64_t most_refs_, bricks_, chunks_;
+  std::vector<std::uint32_t> keys_;                 // by triangle
+  std::vector<std::vector<std::uint32_t>> counts_;  // by chunk of triangles, by brick; later places in a batch
+  Bins bins_;
+};
+
 BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach)
     : job_(job),
-      binning_(std::make_unique<Binning>(job, lattice, reach)),
+      binning_(job, lattice, reach),
       most_refs_(most_refs),
       bricks_(lattice.brick_count()),
       chunks_(chunk_count(job.triangle_count(), bricks_, job.threads)),
@@ -100,8 +118,8 @@ BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t
     for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
       if (n % kCheckEvery == 0) job_.progress.check();
       const std::uint32_t triangle = job_.triangle(n);
-      keys_[n] = binning_->key(triangle);
-      binning_->for_each_brick(triangle, keys_[n], [&](std::int64_t brick) { ++count[brick]; });
+      keys_[n] = binning_.key(triangle);
+      binning_.for_each_brick(triangle, keys_[n], [&](std::int64_t brick) { ++count[brick]; });
     }
   });
 
@@ -116,10 +134,6 @@ BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t
   bins_.refs.reserve(static_cast<std::size_t>(std::min(all, std::max(most_refs, fullest))));
   bins_.start.reserve(static_cast<std::size_t>(bricks_ + 1));
 }
-
-BinBatches::~BinBatches() = default;
-
-std::int64_t BinBatches::chunk_begin(std::int64_t chunk) const { return job_.triangle_count() * chunk / chunks_; }
 
 bool BinBatches::next() {
   // Take bricks until the batch is full, turning counts into positions.
@@ -146,13 +160,15 @@ bool BinBatches::next() {
     for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
       if (n % kCheckEvery == 0) job_.progress.check();
       const std::uint32_t triangle = job_.triangle(n);
-      binning_->for_each_brick(triangle, keys_[n], [&](std::int64_t brick) {
+      binning_.for_each_brick(triangle, keys_[n], [&](std::int64_t brick) {
         if (brick >= first && brick < end) bins_.refs[position[brick]++] = triangle;
       });
     }
   });
   return true;
 }
+
+}  // namespace
 
 void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
                     const std::function<void(const Bins&)>& use, Reach reach) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -40,35 +39,9 @@ inline std::int64_t most_refs(std::int64_t triangles) {
   return std::max<std::int64_t>(triangles, std::int64_t{16} << 20);
 }
 
-/// Sorts the job's triangles into the bricks within reach of them, batch by batch in brick order, ascending in each
-/// brick. Each batch holds at most max(most_refs, the fullest brick) indices.
-class BinBatches {
- public:
-  /// Counts the triangles of each brick. Like next(), it runs on the threads of the calling TBB arena and may throw
-  /// Error{interrupted}.
-  BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach = Reach::distance);
-  BinBatches(const BinBatches&) = delete;
-  BinBatches& operator=(const BinBatches&) = delete;
-  ~BinBatches();
-
-  /// The current batch; it has no bricks before the first call of next().
-  const Bins& bins() const { return bins_; }
-  /// Replaces the batch by the next one; false if there is none.
-  bool next();
-
- private:
-  class Binning;
-  std::int64_t chunk_begin(std::int64_t chunk) const;
-
-  const Job& job_;
-  std::unique_ptr<const Binning> binning_;
-  std::int64_t most_refs_, bricks_, chunks_;
-  std::vector<std::uint32_t> keys_;                 // by triangle
-  std::vector<std::vector<std::uint32_t>> counts_;  // by chunk of triangles, by brick; later places in a batch
-  Bins bins_;
-};
-
-/// Calls use(bins) for each batch.
+/// Sorts the job's triangles into the bricks within reach of them, and calls use(bins) batch by batch in brick order,
+/// triangles ascending in each brick. Each batch holds at most max(most_refs, the fullest brick) indices, and is valid
+/// until use() returns. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
                     const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
 

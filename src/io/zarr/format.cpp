@@ -11,8 +11,7 @@
 #include "core/tile_count.h"
 #include "files/atomic_folder.h"
 #include "io/zarr/metadata.h"
-#include "io/zarr/read.h"
-#include "io/zarr/write.h"
+#include "io/zarr/windows.h"
 
 namespace standoff::zarr {
 namespace {

@@ -2,7 +2,7 @@
 // A window is read in regions, each as large as a shard: its files are opened and their indices read; then in blocks,
 // each as large as a chunk, which are unpacked and cut into tiles. Where the window begins at a chunk, a block is a
 // chunk; else blocks are larger, for a chunk that lies in many blocks is unpacked for each of them.
-#include "io/zarr/read.h"
+#include "io/zarr/windows.h"
 
 #include <algorithm>
 #include <atomic>

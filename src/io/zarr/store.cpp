@@ -7,8 +7,7 @@
 #include "core/progress.h"
 #include "files/atomic_folder.h"
 #include "io/zarr/metadata.h"
-#include "io/zarr/read.h"
-#include "io/zarr/write.h"
+#include "io/zarr/windows.h"
 #include "standoff/zarr.h"
 
 namespace standoff {

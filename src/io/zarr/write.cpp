@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/zarr/write.h"
+#include "io/zarr/windows.h"
 
 #include <fcntl.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chunks out of fields, and the shards that they make: window by window, or a whole store in layers of chunks.
+// Fields into the shards of a store, window by window or in layers of chunks, and windows of fields out of them.
 #pragma once
 
 #include <cstdint>
@@ -69,5 +69,9 @@ class LayeredWriter {
   std::vector<Array> arrays_;
   std::int64_t layer_ = 0;
 };
+
+/// The field of `size` samples from `first` on: see ZarrStore::read. `memory_limit`: bytes, 0 for none.
+DistanceField read_window(const StoreMetadata& store, const Size3& first, const Size3& size, std::int64_t memory_limit,
+                          ProgressMeter& meter);
 
 }  // namespace standoff::zarr
