@@ -60,9 +60,8 @@ class STANDOFF_API WindowComputation {
   /// where the mesh is closed. Errors: usage.
   bool is_reached(const Size3& first, const Size3& size) const;
 
-  /// Whether all values of the window are the thickness, outside; some windows of which this is true are not found out
-  /// to be so without computing them, and get false. Takes microseconds where no triangle reaches the window of a
-  /// closed mesh. Errors: as compute().
+  /// Whether no triangle reaches the window and all of it is outside, so that all its values are the thickness. Takes
+  /// microseconds where the mesh is closed. Errors: as compute().
   bool is_empty(const Size3& first, const Size3& size);
 
   /// What was done for all windows so far.

@@ -121,7 +121,7 @@ class FieldWindows:
         return self._windows.is_reached(triple(first, "first", whole=True), triple(shape, "shape", whole=True))
 
     def is_empty(self, first: Sequence[int], shape: Sequence[int]) -> bool:
-        """Whether all values of a window are the thickness, outside. Of some such windows it says False."""
+        """Whether no triangle reaches a window and all of it is outside, so that all its values are the thickness."""
         return self._windows.is_empty(triple(first, "first", whole=True), triple(shape, "shape", whole=True))
 
     def __iter__(self) -> Iterator[tuple[tuple[int, int, int], tuple[int, int, int]]]:
