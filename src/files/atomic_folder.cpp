@@ -40,18 +40,27 @@ constexpr unsigned kNoReplace = RENAME_NOREPLACE, kExchange = RENAME_EXCHANGE;
 constexpr unsigned kNoReplace = 0, kExchange = 0;
 #endif
 
-// std::filesystem::is_empty ends the process where memory runs out.
 bool is_empty_folder(const std::filesystem::path& folder) {
-  const std::unique_ptr<DIR, int (*)(DIR*)> opened(::opendir(folder.c_str()), ::closedir);
-  if (!opened) return false;
-  while (const dirent* const entry = ::readdir(opened.get()))
-    if (std::strcmp(entry->d_name, ".") != 0 && std::strcmp(entry->d_name, "..") != 0) return false;
-  return true;
+  return all_entries(folder, [](const char*, bool) { return false; });
 }
 
 bool is_unknown_rename(int error) { return error == EINVAL || error == ENOSYS || error == ENOTSUP; }
 
 }  // namespace
+
+bool all_entries(const std::filesystem::path& folder,
+                 const std::function<bool(const char* name, bool is_folder)>& holds) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> opened(::opendir(folder.c_str()), ::closedir);
+  if (!opened) return false;
+  while (const dirent* const entry = ::readdir(opened.get())) {
+    const char* const name = entry->d_name;
+    if (std::strcmp(name, ".") == 0 || std::strcmp(name, "..") == 0) continue;
+    struct stat found {};
+    if (::fstatat(::dirfd(opened.get()), name, &found, AT_SYMLINK_NOFOLLOW) != 0) return false;
+    if (!holds(name, S_ISDIR(found.st_mode))) return false;
+  }
+  return true;
+}
 
 AtomicFolder::AtomicFolder(const std::filesystem::path& target, Existing existing, MayReplace may_replace,
                            const char* kind)

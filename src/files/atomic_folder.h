@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output folders that appear whole or not at all.
+// Output folders that appear whole or not at all; what a folder holds.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "standoff/existing.h"
 
 namespace standoff {
 
 class ProgressMeter;
+
+/// Whether a folder can be read, and `holds` is true of the name of each entry, and of whether that is a folder itself,
+/// not a link to one. Ends at the first entry of which it is not. (The iterators of std::filesystem end the process where
+/// memory runs out.)
+bool all_entries(const std::filesystem::path& folder,
+                 const std::function<bool(const char* name, bool is_folder)>& holds);
 
 /// A folder of files that is made beside the target, as `.standoff-*.part`, and takes its place on commit. Without a
 /// commit the target stays as it was, and the destructor, or remove_unfinished_files() where a signal ends the program,

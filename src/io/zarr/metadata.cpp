@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/number_text.h"
+#include "files/atomic_folder.h"
 #include "files/json_view.h"
 #include "io/zarr/blosc.h"
 #include "standoff/error.h"
@@ -514,12 +515,12 @@ bool is_of_store(const std::filesystem::path& name) {
   });
 }
 
-bool holds_a_store_alone(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::recursive_directory_iterator at(folder, error);
-  for (; !error && at != std::filesystem::recursive_directory_iterator(); at.increment(error))
-    if (!is_of_store(at->path().lexically_relative(folder))) return false;
-  return !error;
+// `inner`: of the store, empty for all of it.
+bool holds_a_store_alone(const std::filesystem::path& store, const std::filesystem::path& inner = {}) {
+  return all_entries(store / inner, [&](const char* name, bool is_folder) {
+    const std::filesystem::path entry = inner / name;
+    return is_of_store(entry) && (!is_folder || holds_a_store_alone(store, entry));
+  });
 }
 
 }  // namespace
