@@ -19,6 +19,7 @@
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
   run.py batch           many small meshes from files to files; with --peers beside Open3D (STANDOFF_PEER_PYTHON)
+  run.py scale           what many machines would take, simulated from pieces that are measured (STANDOFF_PEER_PYTHON)
   run.py methods         families of distance field algorithms: exactness, signs, time, memory (STANDOFF_PEER_PYTHON)
   run.py quote           the documentation's tables of CSV files, written again
   run.py fly             the fly in the labyrinth: Figure 5.5 of the thesis, with fields that are computed at each step, what
@@ -50,7 +51,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -82,6 +83,8 @@ def main():
     if arguments.what == "batch":  # needs numpy
         return importlib.import_module("batch").run(workloads["batch"], arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note,
                                                     arguments.count)
+    if arguments.what == "scale":  # needs numpy
+        return importlib.import_module("scale").run(workloads["scale"], arguments.only, arguments.build, arguments.note)
     if arguments.what == "methods":  # needs numpy
         if not drivers.has("exact"):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench methods")

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""scale_measure.py PROGRAM JOB...: what the model of scale.py is made of, measured here; one JSON line. Each JOB is a JSON object.
+Returns 3 if this Python lacks standoff or Dask."""
+
+import json
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+try:
+    import distributed
+    import standoff as so
+    import standoff.dask as sd
+    from standoff._targets import Target
+except ImportError:
+    sys.exit(3)
+
+SEED = 5
+
+
+def mesh_of(program, scene, folder):
+    path = Path(folder) / (scene.replace(":", "-") + ".ply")
+    name, _, triangles = scene.removeprefix("scene:").partition(":")
+    subprocess.run([program, "generate", name, *(["--triangles", triangles] if triangles else []), "-o", str(path)], check=True,
+                   capture_output=True)
+    return so.read(path)
+
+
+def kind_of(windows, first, shape):
+    if windows.is_reached(first, shape):
+        return "surface"
+    return "outside" if windows.is_empty(first, shape) else "inside"
+
+
+def counted(windows):
+    """The windows of each kind, and what looking at one takes."""
+    began, found = time.perf_counter(), {"surface": [], "inside": [], "outside": []}
+    for first, shape in windows:
+        found[kind_of(windows, first, shape)].append((first, shape))
+    total = sum(map(len, found.values()))
+    return found, (time.perf_counter() - began) / total
+
+
+def tried(windows, store, places, count):
+    """Seconds of this process, and bytes, of some windows that are computed and written as shards."""
+    rows = []
+    for first, shape in random.Random(SEED).sample(places, min(count, len(places))):
+        before = sum(file.stat().st_size for file in store.rglob("*") if file.is_file())
+        began = time.process_time()
+        target = Target(str(store), None)
+        target.write(first, windows.field(first, shape), 1)
+        took = time.process_time() - began
+        rows.append((took, sum(file.stat().st_size for file in store.rglob("*") if file.is_file()) - before))
+    return rows
+
+
+def field_job(mesh, job, folder):
+    """The windows of a large field: how many, and what some of them take."""
+    arguments = {"resolution": job["resolution"], "band": job["band"], "sign": "auto"}
+    began = time.process_time()
+    windows = so.FieldWindows(mesh, window=job["shard"], threads=1, device="cpu", **arguments)
+    prepare = time.process_time() - began
+    found, looking = counted(windows)
+    store = Path(folder) / "store.zarr"
+    shard = (job["shard"],) * 3
+    Target(str(store), None).create(windows._windows, windows.grid, windows.thickness, shard, (32, 32, 32), True)
+    tries = {kind: tried(windows, store, found[kind], job["tries"]) for kind in ("surface", "inside")}
+    return {"name": job["name"], "windows": {kind: len(places) for kind, places in found.items()}, "prepare_s": prepare,
+            "look_s": looking, "tries": tries, "mesh_bytes": mesh.vertices.nbytes + mesh.faces.nbytes}
+
+
+def task_seconds(workers):
+    """What Dask's scheduler takes for a task that does nothing."""
+    count = 3000
+    with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
+        client.gather(client.map(abs, range(100), pure=False))
+        began = time.perf_counter()
+        client.gather(client.map(abs, range(count), pure=False))
+        return (time.perf_counter() - began) / count
+
+
+def checked(mesh, job, folder):
+    """The same field by one worker and by two, on the wall."""
+    seconds = {}
+    for workers in (1, 2):
+        with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
+            client.wait_for_workers(workers)
+            began = time.perf_counter()
+            sd.write(str(Path(folder) / f"{workers}.zarr"), mesh, resolution=job["resolution"], band=job["band"], shard=job["shard"],
+                     client=client)
+            seconds[workers] = time.perf_counter() - began
+    return seconds
+
+
+def main():
+    program, *jobs = sys.argv[1:]
+    results = {"task_s": task_seconds(2), "fields": []}
+    for job in map(json.loads, jobs):
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = mesh_of(program, job["scene"], folder)
+            found = field_job(mesh, job, folder)
+            if job.get("check"):
+                found["measured_s"] = checked(mesh, job, folder)
+            results["fields"].append(found)
+    print(json.dumps(results))
+
+
+if __name__ == "__main__":
+    main()
