@@ -26,7 +26,10 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kLongestSide = 256;   // of a chunk: at most 64 MiB
 constexpr std::int64_t kTableRows = 65'536;  // of a chunk of a table
-constexpr std::uint8_t kUnknown = 255;       // exit codes are smaller
+// Of blosc: level 3, which stores have, takes 4.5 ms of a row of 64^3 in place of 1.5, for 4 % fewer bytes.
+constexpr int kLevel = 1;
+constexpr std::size_t kBlock = std::size_t{1} << 18;
+constexpr std::uint8_t kUnknown = 255;  // exit codes are smaller
 constexpr const char* kDistance = "distance";
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -43,9 +46,9 @@ std::string array_text(const char* type, std::span<const std::int64_t> shape, st
   if (std::string_view(type) != "uint8") codecs += R"(, "configuration": {"endian": "little"})";
   codecs += "}";
   if (blosc)
-    codecs += R"(, {"name": "blosc", "configuration": {"cname": "zstd", "clevel": )" +
-              std::to_string(zarr::kBloscLevel) + R"(, "shuffle": "shuffle", "typesize": )" +
-              std::to_string(zarr::kNumberBytes) + R"(, "blocksize": 0}})";
+    codecs += R"(, {"name": "blosc", "configuration": {"cname": "zstd", "clevel": )" + std::to_string(kLevel) +
+              R"(, "shuffle": "shuffle", "typesize": )" + std::to_string(zarr::kNumberBytes) + R"(, "blocksize": )" +
+              std::to_string(kBlock) + "}}";
   return R"({"zarr_format": 3, "node_type": "array", "shape": )" + list_text(shape) + R"(, "data_type": ")" + type +
          R"(", "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": )" + list_text(chunk) +
          R"(}}, "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}}, "fill_value": )" +
@@ -154,7 +157,7 @@ std::vector<std::byte> FieldArray::packed(const DistanceField& field, const Size
   for (std::int64_t x = tiles.first.x; x < tiles.end.x; ++x)
     for (std::int64_t y = tiles.first.y; y < tiles.end.y; ++y)
       for (std::int64_t z = tiles.first.z; z < tiles.end.z; ++z) copy_tile(field, {x, y, z}, window, chunk, values);
-  return layout_.compress ? zarr::blosc_packed(bytes) : bytes;
+  return layout_.compress ? zarr::blosc_packed(bytes, kLevel, kBlock) : bytes;
 }
 
 void FieldArray::put(std::int64_t row, const DistanceField& field) const {
