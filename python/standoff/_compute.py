@@ -86,7 +86,9 @@ def field(
     """
     parts = parts_on_gpu(mesh)
     if cache is not None and (parts is not None or nearest or out is not None):
-        raise ValueError("cache: it keeps distances in the CPU's memory alone; leave it out, or nearest, out and arrays on a GPU")
+        raise ValueError(
+            "cache: it keeps distances in the CPU's memory alone; leave it out, or nearest, out and arrays on a GPU"
+        )
     if parts is not None:
         on_gpu = MeshOnDevice(parts, runs_on(threads, device)[1], stream)
         sizes = (grid, resolution, spacing, shape, padding, band, thickness)

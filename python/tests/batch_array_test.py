@@ -61,7 +61,11 @@ def test_parts_make_the_same(made, tmp_path):
 
     merged(str(tmp_path / "parts"))
     files = {path.relative_to(out): path.read_bytes() for path in (out / "fields.zarr").rglob("*") if path.is_file()}
-    assert files == {path.relative_to(tmp_path / "parts"): path.read_bytes() for path in (tmp_path / "parts/fields.zarr").rglob("*") if path.is_file()}
+    assert files == {
+        path.relative_to(tmp_path / "parts"): path.read_bytes()
+        for path in (tmp_path / "parts/fields.zarr").rglob("*")
+        if path.is_file()
+    }
 
 
 def test_shapes_must_be_equal(tmp_path):

@@ -11,7 +11,11 @@ import pytest
 import standoff as so
 from standoff._program import PROGRAM
 
-WAYS = [{"resolution": 32}, {"resolution": 32, "band": 3}, {"shape": (20, 18, 22), "thickness": 0.02, "sign": so.Sign("winding", invert=True)}]
+WAYS = [
+    {"resolution": 32},
+    {"resolution": 32, "band": 3},
+    {"shape": (20, 18, 22), "thickness": 0.02, "sign": so.Sign("winding", invert=True)},
+]
 
 
 def same(a, b):
@@ -35,14 +39,27 @@ def test_it_is_the_same_field(bunny_path, tmp_path, way):
 
 def test_the_program_and_python_share_it(bunny_path, tmp_path):
     def program(output, *options):
-        words = [PROGRAM, "compute", bunny_path, "-o", tmp_path / output, "--cache", tmp_path / "kept", "--json", "-q", *options]
+        words = [
+            PROGRAM,
+            "compute",
+            bunny_path,
+            "-o",
+            tmp_path / output,
+            "--cache",
+            tmp_path / "kept",
+            "--json",
+            "-q",
+            *options,
+        ]
         return json.loads(subprocess.run(words, capture_output=True, check=True, timeout=60).stdout)["cached"]
 
     def python(**options):
         return so.field(bunny_path, cache=tmp_path / "kept", **options).computation["cached"]
 
     assert not program("a.npz", "-r", "24", "-t", "3s") and python(resolution=24, band=3)
-    assert not python(resolution=25, sign=so.Sign("winding", invert=True)) and program("b.npz", "-r", "25", "--sign", "winding", "--invert")
+    assert not python(resolution=25, sign=so.Sign("winding", invert=True)) and program(
+        "b.npz", "-r", "25", "--sign", "winding", "--invert"
+    )
     result = so.batch([bunny_path], tmp_path / "out", resolution=26, band=2, cache=tmp_path / "kept")
     assert not next(result.rows())["cached"] and python(resolution=26, band=2)
     field = so.field(bunny_path, resolution=25, sign=so.Sign("winding", invert=True))
@@ -68,7 +85,11 @@ def test_a_damaged_entry_is_made_anew_and_told_once(bunny_path, tmp_path, recwar
 
 def test_many_writers(bunny_path, tmp_path):
     with ThreadPoolExecutor(8) as pool:
-        fields = list(pool.map(lambda _: so.field(bunny_path, resolution=24, band=3, threads=1, cache=tmp_path / "kept"), range(16)))
+        fields = list(
+            pool.map(
+                lambda _: so.field(bunny_path, resolution=24, band=3, threads=1, cache=tmp_path / "kept"), range(16)
+            )
+        )
     for field in fields:
         same(field, fields[0])
     assert len([path for path in tmp_path.rglob("kept/*/*")]) == 2
