@@ -382,7 +382,9 @@ BatchSummary BatchCommand::work_through() {
   ManifestWriter rows(manifest, goes_on ? ManifestWriter::Start::go_on : ManifestWriter::Start::anew);
   const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash, making.array.has_value()) : EarlierRows();
   fs::remove(summary, ignored);  // until this run has come to its end
-  write_text(folder / ("parameters-" + hash + ".json"), text);
+  if (const fs::path kept = folder / ("parameters-" + hash + ".json");
+      !fs::exists(kept, ignored) || read_text(kept) != text)
+    write_text(kept, text);
   forget_finished();
 
   std::shared_ptr<ResultSink> sink =

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/batch/sink.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <string_view>
 #include <system_error>
@@ -103,15 +105,22 @@ class FileSink : public ResultSink {
   }
 
   Placed put(const MeshId& mesh, const DistanceField& field, int threads) override {
+    clear(mesh);
     write_field(file_of(mesh), field, {.compress = compress_, .threads = threads, .sync = false});
     return placed(mesh);
   }
 
   Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) override {
+    clear(mesh);
     write_training_points(file_of(mesh), points, query, Existing::replace, false);
     return placed(mesh);
   }
 
+  // Not a folder, such as a store, and no file that its owner has made read-only: writing says what is wrong with it.
+  void clear(const MeshId& mesh) override {
+    const fs::path path = folder_ / name_of(mesh);
+    if (::access(path.c_str(), W_OK) == 0) ::unlink(path.c_str());
+  }
   void forget(const MeshId&) override {}  // the row says that it has none
 
  private:
@@ -152,7 +161,8 @@ class ArraySink : public ResultSink {
   Placed put(const MeshId&, const TrainingPoints&, const MeshQuery&) override {
     throw Error(ErrorCode::internal, "points are no rows of an array");
   }
-  void forget(const MeshId& mesh) override { array_.remove(mesh.index); }
+  void clear(const MeshId& mesh) override { array_.remove(mesh.index); }
+  void forget(const MeshId& mesh) override { clear(mesh); }
 
  private:
   FieldArray array_;

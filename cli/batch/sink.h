@@ -45,6 +45,9 @@ class ResultSink {
   /// Puts a result in its place, whole or not at all; another one there is replaced. Errors: output.
   virtual Placed put(const MeshId& mesh, const DistanceField& field, int threads) = 0;
   virtual Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) = 0;
+  /// Removes an earlier result, so that one that somebody else puts there takes its name in one step: a process that is
+  /// killed while it replaces a file may leave an unfinished one. put() does so, too. Errors: output.
+  virtual void clear(const MeshId& mesh) = 0;
   /// The mesh has failed: where its place would go on showing an earlier result, that is removed. Errors: output.
   virtual void forget(const MeshId& mesh) = 0;
 };

@@ -338,6 +338,7 @@ bool MeshWork::fetch_field(const BatchOrder& order, const Mesh& mesh, const Grid
   const auto start = std::chrono::steady_clock::now();
   cache_key_ = FieldCache::key(mesh, choice.grid, choice.thickness, making_.field.compute,
                                {.extension = making_.extension, .compress = making_.compress});
+  sink_->clear(order.mesh);
   const FieldCache::Fetched found = making_.cache->fetch(cache_key_, sink_->file_of(order.mesh), Existing::replace);
   if (!found.problem.empty()) Console().warn(found.problem);
   row["cached"] = found.report.has_value();

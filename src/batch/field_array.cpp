@@ -31,6 +31,7 @@ constexpr int kLevel = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 18;
 constexpr std::uint8_t kUnknown = 255;  // exit codes are smaller
 constexpr const char* kDistance = "distance";
+constexpr const char* kOurs = R"("rows": "batch")";  // by which the group's metadata are known
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string list_text(std::span<const std::int64_t> numbers) {
@@ -101,7 +102,11 @@ std::optional<ChunkName> chunk_of(std::string_view name) {
   return ChunkName{numbers[0], {numbers[1], numbers[2], numbers[3]}};
 }
 
+// Nobody needs an earlier file meanwhile. Where there is none, the new one takes its name in one step, and a process
+// that is killed leaves no other beside it.
 void write(const fs::path& path, std::span<const std::byte> bytes) {
+  std::error_code ignored;
+  fs::remove(path, ignored);
   AtomicFile file(path);
   file.leave_to_system();
   file.write(bytes.data(), bytes.size());
@@ -191,6 +196,12 @@ void FieldArray::Table::set(std::int64_t row, const Vec3& first, const Vec3& ste
 }
 
 void FieldArray::begin() const {
+  std::error_code ignored;
+  if (const fs::path group = folder_ / "zarr.json";
+      fs::exists(group, ignored) && read_text(group).find(kOurs) == std::string::npos)
+    throw Error(ErrorCode::output, folder_.string() +
+                                       ": a store is there that is no array of a batch, and it stays as "
+                                       "it is; give another folder");
   make(folder_ / kDistance);
   remove_file(folder_ / "zarr.json");
   remove_file(folder_ / kDistance / "zarr.json");
@@ -246,9 +257,8 @@ void FieldArray::end(const Table& table) const {
                                         std::array{std::int64_t{1}, chunk.x, chunk.y, chunk.z}, R"("NaN")",
                                         R"(["mesh", "x", "y", "z"])", layout_.compress));
   // The last file: a group whose arrays are all there.
-  write_zarr_json(".", R"({"zarr_format": 3, "node_type": "group", "attributes": {"standoff": {"format": 1, )"
-                       R"("rows": "batch"}}})"
-                       "\n");
+  write_zarr_json(".", R"({"zarr_format": 3, "node_type": "group", "attributes": {"standoff": {"format": 1, )" +
+                           std::string(kOurs) + "}}}\n");
 }
 
 }  // namespace standoff

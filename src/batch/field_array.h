@@ -34,8 +34,8 @@ class FieldArray {
   const std::filesystem::path& folder() const { return folder_; }
   /// The files that a row has, or would have.
   std::vector<std::filesystem::path> files_of(std::int64_t row) const;
-  /// Writes a row, after begin(). Each file appears whole or not at all, and while one of several is missing, all are
-  /// incomplete: those of another field are removed first. Errors: usage (a field of another shape), output.
+  /// Writes a row, after begin(). Each file appears whole or not at all; those of an earlier field are
+  /// removed first. Errors: usage (a field of another shape), output.
   void put(std::int64_t row, const DistanceField& field) const;
   /// Takes a row away: it reads as NaN. Errors: output.
   void remove(std::int64_t row) const;
@@ -49,7 +49,8 @@ class FieldArray {
     std::vector<double> origin, spacing, thickness;  // NaN where there is no field
     std::vector<std::uint8_t> code;                  // 255 where nothing is known
   };
-  /// Makes the folder, and removes what makes it an array: nobody opens it before end(). Errors: output.
+  /// Makes the folder, and removes what makes it an array: nobody opens it before
+  /// end(). A store of somebody else stays. Errors: output.
   void begin() const;
   /// Makes it an array of so many rows; files of rows behind them are removed. Errors: output.
   void end(const Table& table) const;

@@ -113,6 +113,15 @@ def go_on():
     expect("whole", other)
 
 
+def the_same_mesh_by_another_name():
+    run("convert", "scene:box", "-o", "one.obj")
+    shutil.copy("one.obj", "two.obj")
+    batch("-o", "copies", *GRID, scenes=["one.obj"], code=0)
+    batch("-o", "copies", *GRID, "--resume", scenes=["two.obj"], code=0)
+    assert json.loads(pathlib.Path("copies/manifest.jsonl").read_text().splitlines()[-1])["path"] == "two.obj"
+    expect("copies", ["two.obj"])
+
+
 def shapes():
     refused = batch("-o", "none", "-r", "20", code=2).stderr
     assert "--format array: its rows have one shape" in refused and "--size" in refused and not pathlib.Path("none").exists()
@@ -129,6 +138,14 @@ def shapes():
     assert "leave it out" in refused, refused
     batch("-o", "long", *GRID, "--resume", scenes=SCENES[:1], code=0)
     expect("long", SCENES[:1])
+
+
+def somebody_elses():
+    mine = pathlib.Path("mine/fields.zarr/zarr.json")
+    mine.parent.mkdir(parents=True)
+    mine.write_text('{"zarr_format": 3, "node_type": "group"}')
+    assert "it stays as it is" in batch("-o", "mine", *GRID, "-f", code=4).stderr
+    assert mine.read_text() == '{"zarr_format": 3, "node_type": "group"}' and not list(mine.parent.glob("distance"))
 
 
 def keep():
@@ -151,6 +168,8 @@ def stores():
 
 whole_and_in_parts()
 go_on()
+the_same_mesh_by_another_name()
 shapes()
+somebody_elses()
 keep()
 stores()

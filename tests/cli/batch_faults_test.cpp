@@ -245,8 +245,9 @@ TEST_F(BatchFaults, SignalsStopIt) {
     process.send(signal);
     const Ran ran = process.wait();
     EXPECT_EQ(ran.code, 130) << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: interrupted; no partial file was left, 2 rows are written: the same command "
-                         "with --resume goes on from here\n"))
+    EXPECT_TRUE(
+        ran.says("standoff: error: interrupted; no partial file was left, 2 rows are written: the same command "
+                 "with --resume goes on from here\n"))
         << ran.err;
     EXPECT_FALSE(is_running(workers.at(0)));
     EXPECT_EQ(rows().size(), 2u);
