@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "cli/console.h"
-#include "cli/field_cache.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/options.h"
@@ -25,6 +24,7 @@
 #include "standoff/confidence.h"
 #include "standoff/error.h"
 #include "standoff/field.h"
+#include "standoff/field_cache.h"
 #include "standoff/io.h"
 #include "standoff/mesh.h"
 #include "standoff/sidecars.h"
@@ -305,7 +305,8 @@ struct ComputeCommand {
   std::optional<WindowText> window;
   bool dry_run = false, uncompressed = false;
   Beside beside;
-  FieldCache cache;
+  CacheOption cache;
+  std::optional<FieldCache> kept;  ///< of the cache, if it is given
   std::optional<std::string> confidence_name;
   FileOutput confidence;  // of the sign, if it has a name
 
@@ -383,7 +384,7 @@ void ComputeCommand::run() {
         std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
       throw Error(ErrorCode::usage,
                   "--cache: " + output.path().string() + " is no file that can be kept; leave it out");
-    if (!dry_run) cache.open();
+    if (!dry_run) kept.emplace(cache.open());
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -415,18 +416,20 @@ FieldWriteOptions ComputeCommand::write_options() const {
 
 Outcome ComputeCommand::write_or_fetch(const Plan& plan) {
   const auto start = std::chrono::steady_clock::now();
-  Json file{{"format", output.format(field_formats()).extension}, {"compress", !uncompressed}};
-  if (window) file["window"] = {json_size(window->first), json_size(window->size)};
-  const Json key = FieldCache::key(plan.mesh, field, plan.choice, file);
-  if (const auto report = cache.fetch(key, output.path(), output.existing())) {
-    Outcome outcome{plan, *report, report->provenance.mesh_hash};
+  FieldCache::File file{output.format(field_formats()).extension, !uncompressed};
+  if (window) file.window = {window->first, window->size};
+  const FieldCache::Key key = FieldCache::key(plan.mesh, plan.choice.grid, plan.choice.thickness, options, file);
+  const FieldCache::Fetched found = kept->fetch(key, output.path(), output.existing());
+  if (!found.problem.empty()) console.warn(found.problem);
+  if (found.report) {
+    Outcome outcome{plan, *found.report, found.report->provenance.mesh_hash};
     outcome.write_seconds = seconds_since(start);
     outcome.cached = true;
     return outcome;
   }
   Outcome outcome = plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   outcome.report.provenance.mesh_hash = outcome.mesh_hash;
-  const std::string problem = cache.store(key, output.path(), outcome.report);
+  const std::string problem = kept->store(key, output.path(), outcome.report);
   if (!problem.empty()) console.warn(problem);
   return outcome;
 }

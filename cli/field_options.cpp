@@ -36,6 +36,16 @@ const char* rule_name(WindingRule rule) {
 
 }  // namespace
 
+void CacheOption::add_to(CLI::App& verb, const char* group) {
+  add_parsed(verb,
+             {"--cache", "FOLDER",
+              "take fields that were computed before from this folder, and\nkeep those that are computed", group},
+             [this](S o, S t) {
+               if (t.empty()) throw Error(ErrorCode::usage, o + " '': give the name of a folder");
+               folder_ = t;
+             });
+}
+
 void FieldOptions::add_work_to(CLI::App& verb) {
   add_devices(verb, "Work", compute.execution.backend, compute.devices);
   add_threads(verb, "Work", compute.execution.threads);

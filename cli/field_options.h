@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -10,8 +12,21 @@
 #include "cli/json.h"
 #include "cli/options.h"
 #include "standoff/compute.h"
+#include "standoff/field_cache.h"
 
 namespace standoff::cli {
+
+/// The option --cache.
+class CacheOption {
+ public:
+  void add_to(CLI::App& verb, const char* group);
+  bool given() const { return !folder_.empty(); }
+  /// Makes the folder. Errors: output.
+  FieldCache open() const { return FieldCache(folder_); }
+
+ private:
+  std::filesystem::path folder_;
+};
 
 class FieldOptions {
  public:
@@ -31,6 +46,9 @@ class FieldOptions {
   /// The grid for a mesh with those bounds, and the thickness of its band. Sets the shell's thickness in world units.
   /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
   GridChoice choose_grid(const std::string& name, const Box& box);
+
+  /// The samples per axis, where they are the same for every mesh.
+  std::optional<Size3> common_size() const { return grid_.common_size(); }
 
   /// The memory limit in bytes; the largest number where there is none.
   std::int64_t memory_limit() const;

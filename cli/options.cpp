@@ -170,6 +170,11 @@ GridChoice GridOptions::choose(const Box& mesh) const {
   return {grid, thickness_.world(grid.max_spacing())};
 }
 
+std::optional<Size3> GridOptions::common_size() const {
+  if (size_) return size_;
+  return bounds_ ? std::optional(around(*bounds_).size) : std::nullopt;
+}
+
 namespace {
 
 constexpr const char* kSignGroup = "Sign";

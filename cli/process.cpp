@@ -42,6 +42,7 @@ class FixedText {
 };
 
 FixedText last_file;  // empty where there is but one
+FixedText next_step;  // empty where it is to run it again
 
 void say(std::string_view words) { (void)!::write(STDERR_FILENO, words.data(), words.size()); }
 
@@ -110,11 +111,20 @@ std::string_view interruption() {
     text.add(last_file.view());
     text.add(" was not written");
   }
-  if (!finished || more_follow) text.add(", run it again");
+  if (!next_step.view().empty()) {
+    text.add(", ");
+    text.add(next_step.view());
+  } else if (!finished || more_follow) {
+    text.add(", run it again");
+  }
   return text.view();
 }
 
 void last_file_is(std::string_view name) { last_file.add(name); }
+void next_step_is(std::string_view text) {
+  next_step.clear();
+  next_step.add(text);
+}
 void output_has_begun() { output_begun = true; }
 
 void line_is_drawn(bool drawn) { line_drawn = drawn; }

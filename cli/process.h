@@ -33,6 +33,9 @@ std::string_view interruption();
 /// Says which of several files that were asked for is written last. Call it once, before the first is written.
 void last_file_is(std::string_view name);
 
+/// Says how a run that is interrupted goes on, in place of "run it again". Empty: as before.
+void next_step_is(std::string_view text);
+
 /// Says that data goes to the standard output, which an interrupt would cut off.
 void output_has_begun();
 

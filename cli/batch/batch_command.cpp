@@ -47,12 +47,15 @@ constexpr const char* kBatchExamples =
   standoff batch --report -o out                         a page about what failed
 )";
 
+constexpr const char* kArrayFormat = "array";  // in place of an extension
+
 struct BatchCommand {
   std::string list;
   fs::path folder;
   Shard shard;
   bool zeros = false, resume = false, force = false, merge = false, report = false;
   bool retry_failed = false;
+  CacheOption cache;
   double timeout_s = std::numeric_limits<double>::infinity();
   BatchMaking making;
   TrainingPointOptions points;
@@ -68,6 +71,7 @@ struct BatchCommand {
   void add_result(CLI::App& verb);
   void check();
   void make_folder() const;
+  void check_places() const;
   BatchSummary work_through();
   void tell(const BatchSummary& summary, const char* what) const;
 };
@@ -83,7 +87,7 @@ class BatchRun {
   }
 
   /// Works through the list. Errors: interrupted; those of list and manifest.
-  BatchSummary run(std::unique_ptr<ResultSink> sink);
+  BatchSummary run(std::shared_ptr<ResultSink> sink);
 
  private:
   WorkerPool::Next next(PoolTask& task);
@@ -95,14 +99,16 @@ class BatchRun {
   Listing& listing_;
   ManifestWriter& manifest_;
   const EarlierRows& earlier_;
+  std::shared_ptr<ResultSink> sink_;
   BatchSummary summary_;
   std::unordered_map<std::int64_t, BatchOrder> under_way_;
   std::int64_t failed_ = 0, rows_ = 0;
 };
 
-BatchSummary BatchRun::run(std::unique_ptr<ResultSink> sink) {
+BatchSummary BatchRun::run(std::shared_ptr<ResultSink> sink) {
   const auto start = std::chrono::steady_clock::now();
-  const auto work = std::make_shared<MeshWork>(command_.making, std::move(sink), summary_.parameters);
+  sink_ = std::move(sink);
+  const auto work = std::make_shared<MeshWork>(command_.making, sink_, summary_.parameters);
   WorkerPool pool(command_.making.workers, command_.timeout_s,
                   [work](const std::string& order, const std::function<void()>& wait_to_be_alone) {
                     return work->make(BatchOrder::of(order), wait_to_be_alone).text();
@@ -119,13 +125,21 @@ BatchSummary BatchRun::run(std::unique_ptr<ResultSink> sink) {
   };
   caller.descriptor = listing_.descriptor();
   const Cancellable cancellable;
+  const char* const again = command_.force                             ? " with --resume in place of -f"
+                            : command_.resume || command_.retry_failed ? ""
+                                                                       : " with --resume";
+  const auto go_on = [&] {
+    next_step_is(counted(rows_, "row") + (rows_ == 1 ? " is" : " are") + " written: the same command" + again +
+                 " goes on from here");
+  };
+  next_step_is(std::string("what is done is kept: the same command") + again + " goes on from here");
   try {
     pool.run(caller);
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::interrupted)
-      command_.console.say(counted(rows_, "row") + " written; the same command with --resume goes on from here");
+    if (error.code() == ErrorCode::interrupted) go_on();
     throw;
   }
+  next_step_is("");
   summary_.seconds = seconds_since(start);
   return summary_;
 }
@@ -158,18 +172,19 @@ WorkerPool::Next BatchRun::next(PoolTask& task) {
 
 // Notes in the order what an earlier run knows of the mesh.
 bool BatchRun::is_wanted(BatchOrder& order) const {
-  const EarlierRows::Row* const earlier = earlier_.find(order.mesh.hash);
+  const EarlierRows::Row* const earlier = earlier_.find(order.mesh);
   if (command_.retry_failed) return earlier && earlier->code != 0;
   if (!earlier || earlier->code != 0 || !earlier->same_parameters) return true;
   order.earlier_hash = earlier->file_hash;
   order.earlier_bytes = earlier->bytes;
+  order.earlier_result = earlier->result;
   return true;
 }
 
 // Leaves a mesh with the row that it has.
 void BatchRun::keep(const MeshId& mesh) {
   ++summary_.skipped;
-  if (const auto row = earlier_.moved_row(mesh.hash, mesh.index)) manifest_.append(*row);
+  if (const auto row = earlier_.moved_row(mesh)) manifest_.append(*row);
 }
 
 void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
@@ -180,6 +195,7 @@ void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
   const MeshId mesh = std::move(found->second.mesh);
   under_way_.erase(found);
   if (answer.holds) return keep(mesh);
+  if (answer.code != 0) sink_->forget(mesh);
   manifest_.append(answer.row);
   ++summary_.counts[answer.code];
   ++rows_;
@@ -196,7 +212,7 @@ void BatchCommand::add_to(CLI::App& verb) {
   making.field.add_work_to(verb);
   add_parsed(verb, {"--timeout", "S", "seconds that a mesh may take (default: any)", "Work"},
              [this](S o, S t) { timeout_s = parse_positive(o, t, 1e9); });
-  making.cache.add_to(verb, "Work");
+  cache.add_to(verb, "Work");
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
   making.field.add_thesis_to(verb);
 }
@@ -237,15 +253,19 @@ void BatchCommand::add_result(CLI::App& verb) {
     if (format.writable)
       formats +=
           (formats.empty() ? "" : ", ") + format.extension + (format.extension == making.extension ? " (default)" : "");
+  formats = wrapped(formats + ": a file for each mesh; or array: one Zarr array of all fields, a row for each mesh",
+                    kHelpColumns);
   add_parsed(verb, {"--format", "NAME", formats.c_str(), "Result"}, [this](S o, S t) {
     std::vector<std::string> names;
     for (const FileFormat& format : field_formats())
       if (format.writable) names.push_back(format.extension);
+    names.emplace_back(kArrayFormat);
     making.extension = names[parse_choice(o, t, names)];
     format_given = true;
   });
   verb.add_flag("--uncompressed", uncompressed,
-                "write the samples of .vti, .nrrd and .npz as they are: larger\nfiles that are read faster")
+                "write the samples of .vti, .nrrd, .npz, .zarr and of the array\nas they are: larger files that are "
+                "read faster")
       ->group("Result");
   add_parsed(
       verb,
@@ -293,7 +313,7 @@ void BatchCommand::check() {
   if (force && (resume || retry_failed)) refuse("-f begins anew, and --resume and --retry go on; give one of them");
   if (resume && retry_failed) refuse("--resume and --retry cannot go together; give one of them");
   if (point_options_given && !points_asked) refuse("--near, --sigma and --seed are for points; give --points too");
-  if (points_asked && making.cache.given()) refuse("--cache keeps fields, and --points makes none; leave one out");
+  if (points_asked && cache.given()) refuse("--cache keeps fields, and --points makes none; leave one out");
   if (points_asked && (format_given || uncompressed))
     refuse("--points are written as .npz; leave --format and --uncompressed out");
   if (points_asked) {
@@ -302,6 +322,20 @@ void BatchCommand::check() {
     making.points = points;
   }
   making.compress = !uncompressed;
+  if (making.extension == kArrayFormat) {
+    const std::optional<Size3> shape = making.field.common_size();
+    if (!shape)
+      refuse(
+          "--format array: its rows have one shape, and these options give each mesh a grid of its own; give "
+          "--size NX,NY,NZ, or --bounds");
+    making.array = FieldArrayLayout{*shape, making.compress};
+    if (cache.given() && making.array->chunks().count() > 1)
+      refuse("--cache keeps files, and a row of more than 256 samples on an axis has several; leave it out");
+  }
+  if (cache.given() && std::ranges::any_of(field_formats(), [this](const FileFormat& format) {
+        return format.folder && format.extension == making.extension;
+      }))
+    refuse("--cache keeps files, and a result of --format " + making.extension + " is a folder; leave one out");
   const int asked = making.field.compute.execution.threads;
   making.workers = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
@@ -315,10 +349,26 @@ void BatchCommand::make_folder() const {
                     "; give another one with -o, or see to its permissions");
 }
 
+// The rows of an array are places in one list. Runs that share the array without sharing a manifest, whose lock and
+// whose merging tell, would write over each other's rows.
+void BatchCommand::check_places() const {
+  const std::vector<Shard> parts = parts_in(folder);
+  std::error_code ignored;
+  const fs::path whole = manifest_path(folder, {});
+  std::optional<fs::path> other;
+  for (const Shard& part : parts)
+    if (part.of != shard.of) other = manifest_path(folder, part);
+  if (parts.empty() && shard.of > 1 && fs::exists(whole, ignored)) other = whole;
+  if (other)
+    throw Error(ErrorCode::usage, other->string() +
+                                      ": the rows of the array are counted by a run of other parts; go on "
+                                      "with the same --shard, or give another folder");
+}
+
 BatchSummary BatchCommand::work_through() {
   const auto listing = open_listing(list, zeros, folder);
   make_folder();
-  if (making.cache.given()) making.cache.open();
+  if (cache.given()) making.cache.emplace(cache.open());
   const fs::path manifest = manifest_path(folder, shard), summary = summary_path(folder, shard);
   std::error_code ignored;
   const bool goes_on = resume || retry_failed;
@@ -328,20 +378,26 @@ BatchSummary BatchCommand::work_through() {
     throw Error(ErrorCode::usage, manifest.string() + ": there is none, so nothing has failed; leave --retry out");
   const Json asked = making.parameters();
   const std::string text = json_text(asked), hash = hash_text(content_hash(std::string_view(text)));
+  if (making.array) check_places();
   ManifestWriter rows(manifest, goes_on ? ManifestWriter::Start::go_on : ManifestWriter::Start::anew);
-  const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash) : EarlierRows();
+  const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash, making.array.has_value()) : EarlierRows();
   fs::remove(summary, ignored);  // until this run has come to its end
-  write_text(folder / ("parameters-" + hash + ".json"), text);
+  if (const fs::path kept = folder / ("parameters-" + hash + ".json");
+      !fs::exists(kept, ignored) || read_text(kept) != text)
+    write_text(kept, text);
   forget_finished();
 
-  const std::string part = making.points ? "points" : "fields";
-  BatchSummary found =
-      BatchRun(*this, *listing, rows, earlier, hash).run(file_sink(folder, part, making.extension, making.compress));
+  std::shared_ptr<ResultSink> sink =
+      making.array ? array_sink(folder, *making.array)
+                   : file_sink(folder, making.points ? "points" : "fields", making.extension, making.compress);
+  if (making.array) FieldArray(folder / kArrayName, *making.array).begin();
+  BatchSummary found = BatchRun(*this, *listing, rows, earlier, hash).run(std::move(sink));
   if (found.listed == 0)
     throw Error(ErrorCode::input, (list == "-" ? "standard input" : list) +
                                       ": there is no mesh in it; give a list with a path on each line, or a folder of "
                                       "meshes (" +
                                       extensions(mesh_formats(), false) + ")");
+  if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed);
 #ifdef __linux__
   // Results were left to the system, file by file; a batch that has come to its end is on the disk.
   if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());

@@ -127,36 +127,42 @@ void ManifestWriter::fail(int error) const {
               {.file = path_.string()});
 }
 
-EarlierRows::EarlierRows(const fs::path& manifest, const std::string& parameters) {
+EarlierRows::EarlierRows(const fs::path& manifest, const std::string& parameters, bool by_place) : by_place_(by_place) {
   std::error_code ignored;
   if (!fs::exists(manifest, ignored)) return;
   manifest_ = manifest;
   each_row(manifest, [&](const Json& row, const ManifestLine& line) {
     const std::uint64_t id = parse_hash(row.at("id").get<std::string>()).value_or(0);
-    Row& earlier = rows_[id];
-    earlier.index = row.at("index").get<std::int64_t>();
+    const auto index = row.at("index").get<std::int64_t>();
+    Row& earlier = rows_[by_place ? static_cast<std::uint64_t>(index) : id];
+    earlier.id = id;
+    earlier.index = index;
     earlier.offset = line.offset;
     earlier.length = static_cast<std::uint32_t>(line.text.size());
-    last_at_[earlier.index] = id;
     const Json& hash = row.at("file_hash");
     earlier.file_hash = hash.is_string() ? parse_hash(hash.get<std::string>()).value_or(0) : 0;
     earlier.code = row.at("code").get<std::int16_t>();
-    earlier.bytes = row.at("output").is_object() ? row.at("output").at("bytes").get<std::int64_t>() : 0;
+    const Json& output = row.at("output");
+    earlier.bytes = output.is_object() ? output.at("bytes").get<std::int64_t>() : 0;
+    earlier.result = output.is_object() ? parse_hash(output.value("hash", "")).value_or(0) : 0;
+    if (!by_place) last_at_[index] = {id, earlier.code};
     earlier.same_parameters = row.at("parameters").get<std::string>() == parameters;
   });
 }
 
-const EarlierRows::Row* EarlierRows::find(std::uint64_t id) const {
-  const auto found = rows_.find(id);
-  return found == rows_.end() ? nullptr : &found->second;
+const EarlierRows::Row* EarlierRows::find(const MeshId& mesh) const {
+  const auto found = rows_.find(by_place_ ? static_cast<std::uint64_t>(mesh.index) : mesh.hash);
+  return found == rows_.end() || found->second.id != mesh.hash ? nullptr : &found->second;
 }
 
-std::optional<std::string> EarlierRows::moved_row(std::uint64_t id, std::int64_t index) const {
-  const Row* const row = find(id);
-  if (!row || (row->index == index && last_at_.at(index) == id)) return std::nullopt;
+std::optional<std::string> EarlierRows::moved_row(const MeshId& mesh) const {
+  const Row* const row = find(mesh);
+  if (!row || by_place_) return std::nullopt;
+  const auto last = last_at_.find(mesh.index);  // of this mesh, also if a list names it several times
+  if (last != last_at_.end() && last->second.id == row->id && last->second.code == row->code) return std::nullopt;
   const FileView manifest(manifest_, FileView::Access::map);
   Json json = Json::parse(manifest.text(row->offset, row->length));
-  json["index"] = index;
+  json["index"] = mesh.index;
   return row_text(json);
 }
 

@@ -10,8 +10,11 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
+#include "batch/field_array.h"
 #include "cli/batch/list.h"
+#include "cli/batch/sink.h"
 #include "cli/json.h"
 #include "files/file_view.h"
 
@@ -64,12 +67,15 @@ class ManifestWriter {
   std::uint64_t size_ = 0;
 };
 
-/// What earlier runs have found out about the meshes of a manifest, by the hash of their names: their last rows.
+/// What earlier runs have found out about the meshes of a manifest: their last rows. Meshes are known by the hash of
+/// their names, or, where results lie by their places in the list, by that and their place.
 class EarlierRows {
  public:
   struct Row {
+    std::uint64_t id = 0;
     std::uint64_t file_hash = 0;  ///< 0: unknown
-    std::int64_t bytes = 0;       ///< of the output
+    std::uint64_t result = 0;     ///< the hash of the output
+    std::int64_t bytes = 0;       ///< of it
     std::int64_t index = 0;       ///< in the list of that run
     std::uint64_t offset = 0;     ///< in the manifest
     std::uint32_t length = 0;
@@ -77,18 +83,24 @@ class EarlierRows {
     bool same_parameters = false;
   };
   EarlierRows() = default;
-  /// Reads a manifest; there are no rows where there is none. Takes about 120 bytes for each mesh. Errors: input.
-  EarlierRows(const std::filesystem::path& manifest, const std::string& parameters);
+  /// Reads a manifest; there are no rows where there is none. Takes about 140 bytes for each mesh. Errors: input.
+  EarlierRows(const std::filesystem::path& manifest, const std::string& parameters, bool by_place);
 
-  const Row* find(std::uint64_t id) const;
+  const Row* find(const MeshId& mesh) const;
   /// The row of a mesh that is kept, as it must be written again since its place in the list has changed; nothing where
   /// the row that is there will do. Errors: input.
-  std::optional<std::string> moved_row(std::uint64_t id, std::int64_t index) const;
+  std::optional<std::string> moved_row(const MeshId& mesh) const;
 
  private:
+  struct Last {
+    std::uint64_t id = 0;
+    std::int16_t code = 0;
+  };
+
   std::filesystem::path manifest_;
-  std::unordered_map<std::uint64_t, Row> rows_;
-  std::unordered_map<std::int64_t, std::uint64_t> last_at_;  // the mesh of the last row with that index
+  bool by_place_ = false;
+  std::unordered_map<std::uint64_t, Row> rows_;     // by the place, or else by the name's hash
+  std::unordered_map<std::int64_t, Last> last_at_;  // the last row with that index
 };
 
 /// Counts rows by their codes.
@@ -113,5 +125,14 @@ Json summary_json(const BatchSummary& summary);
 /// the list. Takes 32 bytes for each mesh. Errors: input, where a shard or a mesh is missing, or the shards are not of
 /// one batch; usage, where there are no shards; output.
 BatchSummary merge_shards(const std::filesystem::path& folder);
+
+/// The parts whose manifests lie in a folder, sorted. Errors: input.
+std::vector<Shard> parts_in(const std::filesystem::path& folder);
+
+/// Makes an array of the rows `folder`/fields.zarr of a run that has come to its end. Takes 57 bytes for each mesh.
+/// Errors: input (the manifest), output.
+void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed);
+/// The array's layout, where a batch with these parameters makes one. Errors: input.
+std::optional<FieldArrayLayout> array_layout_of(const std::filesystem::path& folder, const std::string& parameters);
 
 }  // namespace standoff::cli

@@ -31,16 +31,11 @@ std::optional<Shard> shard_of_name(const std::string& name) {
 
 // All shards, in order. Errors: usage, input.
 std::vector<Shard> shards_in(const fs::path& folder) {
-  std::vector<Shard> found;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (const auto shard = shard_of_name(at->path().filename().string())) found.push_back(*shard);
-  if (error) throw Error(ErrorCode::input, folder.string() + ": cannot read the folder: " + error.message());
+  const std::vector<Shard> found = parts_in(folder);
   if (found.empty())
     throw Error(ErrorCode::usage, folder.string() +
                                       ": there is no manifest of a shard in it, such as "
                                       "manifest-1-of-4.jsonl; give the folder that the shards wrote to");
-  std::ranges::sort(found, {}, &Shard::part);
   for (const Shard& shard : found)
     if (shard.of != found.front().of)
       throw Error(ErrorCode::input, folder.string() + ": shards of " + std::to_string(found.front().of) + " and of " +
@@ -108,6 +103,16 @@ std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& s
 
 }  // namespace
 
+std::vector<Shard> parts_in(const fs::path& folder) {
+  std::vector<Shard> found;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+    if (const auto shard = shard_of_name(at->path().filename().string())) found.push_back(*shard);
+  if (error) throw Error(ErrorCode::input, folder.string() + ": cannot read the folder: " + error.message());
+  std::ranges::sort(found, {}, &Shard::part);
+  return found;
+}
+
 BatchSummary merge_shards(const fs::path& folder) {
   const std::vector<Shard> shards = shards_in(folder);
   const ShardEnd first = end_of(folder, shards.front());
@@ -137,6 +142,7 @@ BatchSummary merge_shards(const fs::path& folder) {
     ++summary.counts[place.code];
   }
   merged.commit();
+  if (const auto array = array_layout_of(folder, summary.parameters)) end_array(folder, *array, summary.listed);
   write_text(summary_path(folder, {}), json_text(summary_json(summary)));
   return summary;
 }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/batch/sink.h"
 
-#include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "batch/content_hash.h"
+#include "cli/files.h"
 #include "cli/json.h"
 #include "cli/text.h"
 #include "standoff/error.h"
@@ -57,14 +60,31 @@ std::string output_name(const MeshId& mesh, const std::string& extension) {
   return folders + plain_part(stem_of(left)) + "-" + hash_text(mesh.hash) + "." + extension;
 }
 
+std::uint64_t folded(std::uint64_t hash, std::uint64_t more) { return content_hash(hash_text(hash) + hash_text(more)); }
+
+// Of a file's bytes, or of all files of a folder and their names: Zarr stores are folders.
+std::uint64_t hash_of_result(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return file_hash(path);
+  std::vector<fs::path> files;
+  for (fs::recursive_directory_iterator at(path, error), end; !error && at != end; at.increment(error))
+    if (at->is_regular_file(error)) files.push_back(at->path());
+  std::ranges::sort(files);
+  std::uint64_t hash = 0;
+  for (const fs::path& file : files)
+    hash =
+        folded(folded(hash, content_hash(std::string_view(file.lexically_relative(path).native()))), file_hash(file));
+  return hash;
+}
+
 class FileSink : public ResultSink {
  public:
   FileSink(const fs::path& folder, const std::string& part, const std::string& extension, bool compress)
       : folder_(folder), part_(part), extension_(extension), compress_(compress) {}
 
-  bool holds(const MeshId& mesh, std::int64_t bytes) const override {
-    struct stat about {};
-    return ::stat((folder_ / name_of(mesh)).c_str(), &about) == 0 && S_ISREG(about.st_mode) && about.st_size == bytes;
+  bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
+    const fs::path path = folder_ / name_of(mesh);
+    return written_bytes(path) == bytes && hash_of_result(path) == hash;
   }
 
   fs::path file_of(const MeshId& mesh) const override {
@@ -80,21 +100,28 @@ class FileSink : public ResultSink {
   }
 
   Placed placed(const MeshId& mesh) const override {
-    Placed found{name_of(mesh), 0};
-    struct stat about {};
-    if (::stat((folder_ / found.file).c_str(), &about) == 0) found.bytes = about.st_size;
-    return found;
+    const fs::path path = folder_ / name_of(mesh);
+    return {.file = name_of(mesh), .bytes = written_bytes(path), .hash = hash_of_result(path)};
   }
 
   Placed put(const MeshId& mesh, const DistanceField& field, int threads) override {
+    clear(mesh);
     write_field(file_of(mesh), field, {.compress = compress_, .threads = threads, .sync = false});
     return placed(mesh);
   }
 
   Placed put(const MeshId& mesh, const TrainingPoints& points, const MeshQuery& query) override {
+    clear(mesh);
     write_training_points(file_of(mesh), points, query, Existing::replace, false);
     return placed(mesh);
   }
+
+  // Not a folder, such as a store, and no file that its owner has made read-only: writing says what is wrong with it.
+  void clear(const MeshId& mesh) override {
+    const fs::path path = folder_ / name_of(mesh);
+    if (::access(path.c_str(), W_OK) == 0) ::unlink(path.c_str());
+  }
+  void forget(const MeshId&) override {}  // the row says that it has none
 
  private:
   std::string name_of(const MeshId& mesh) const { return part_ + "/" + output_name(mesh, extension_); }
@@ -102,6 +129,43 @@ class FileSink : public ResultSink {
   fs::path folder_;
   std::string part_, extension_;
   bool compress_;
+};
+
+class ArraySink : public ResultSink {
+ public:
+  ArraySink(const fs::path& folder, const FieldArrayLayout& layout) : array_(folder / kArrayName, layout) {}
+
+  bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
+    const Placed found = placed(mesh);
+    return found.bytes == bytes && found.hash == hash;
+  }
+  fs::path file_of(const MeshId& mesh) const override {
+    const std::vector<fs::path> files = array_.files_of(mesh.index);
+    return files.size() == 1 ? files[0] : fs::path();
+  }
+  Placed placed(const MeshId& mesh) const override {
+    Placed found{.file = kArrayName, .row = mesh.index};
+    const std::vector<fs::path> files = array_.files_of(mesh.index);
+    for (const fs::path& file : files) {
+      const std::int64_t bytes = written_bytes(file);
+      if (bytes == 0) return {.file = kArrayName, .row = mesh.index};  // all of them, or none
+      found.bytes += bytes;
+      found.hash = files.size() == 1 ? file_hash(file) : folded(found.hash, file_hash(file));
+    }
+    return found;
+  }
+  Placed put(const MeshId& mesh, const DistanceField& field, int) override {
+    array_.put(mesh.index, field);
+    return placed(mesh);
+  }
+  Placed put(const MeshId&, const TrainingPoints&, const MeshQuery&) override {
+    throw Error(ErrorCode::internal, "points are no rows of an array");
+  }
+  void clear(const MeshId& mesh) override { array_.remove(mesh.index); }
+  void forget(const MeshId& mesh) override { clear(mesh); }
+
+ private:
+  FieldArray array_;
 };
 
 }  // namespace
@@ -113,6 +177,10 @@ MeshId MeshId::of(std::int64_t index, const std::string& name) {
 std::unique_ptr<ResultSink> file_sink(const fs::path& folder, const std::string& part, const std::string& extension,
                                       bool compress) {
   return std::make_unique<FileSink>(folder, part, extension, compress);
+}
+
+std::unique_ptr<ResultSink> array_sink(const fs::path& folder, const FieldArrayLayout& layout) {
+  return std::make_unique<ArraySink>(folder, layout);
 }
 
 }  // namespace standoff::cli

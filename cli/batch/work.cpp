@@ -74,6 +74,18 @@ std::string how_it_died(int status) {
   return "its process was ended by signal " + std::to_string(signal) + (name ? " (" + std::string(name) + ")" : "");
 }
 
+void note_result(const Placed& placed, Json& row) {
+  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}, {"hash", hash_text(placed.hash)}};
+  if (placed.row >= 0) row["output"]["row"] = placed.row;
+}
+
+void note_field(const ComputeReport& report, const Placed& placed, Json& row) {
+  row["mesh"]["hash"] = hash_text(report.provenance.mesh_hash);
+  row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
+  add_sign_report(row, report.sign);
+  note_result(placed, row);
+}
+
 // Errors of a mesh name no file; all that goes into rows and messages shall.
 template <class Work>
 void naming(const std::string& path, const Work& work) {
@@ -97,6 +109,7 @@ Json BatchMaking::parameters() const {
   json.update(field.parameters());
   json["format"] = extension;
   if (!points) json["compress"] = compress;
+  if (array) json["shape"] = json_size(array->shape);
   if (points)
     json["points"] = {
         {"count", points->count}, {"near", points->near_share}, {"sigma", points->sigma}, {"seed", points->seed}};
@@ -111,6 +124,7 @@ std::string BatchOrder::text() const {
   packed.put(path);
   packed.put(static_cast<std::int64_t>(earlier_hash));
   packed.put(earlier_bytes);
+  packed.put(static_cast<std::int64_t>(earlier_result));
   return packed.take();
 }
 
@@ -123,6 +137,7 @@ BatchOrder BatchOrder::of(const std::string& text) {
   order.path = packed.text();
   order.earlier_hash = static_cast<std::uint64_t>(packed.number());
   order.earlier_bytes = packed.number();
+  order.earlier_result = static_cast<std::uint64_t>(packed.number());
   return order;
 }
 
@@ -222,7 +237,8 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
 
 bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {
   if (file_hash != 0) row["file_hash"] = hash_text(file_hash);
-  return file_hash != 0 && file_hash == order.earlier_hash && sink_->holds(order.mesh, order.earlier_bytes);
+  return file_hash != 0 && file_hash == order.earlier_hash &&
+         sink_->holds(order.mesh, order.earlier_bytes, order.earlier_result);
 }
 
 Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
@@ -279,6 +295,7 @@ void MeshWork::begin(const Mesh& mesh, const GridChoice& choice, const std::func
       samples = found.stored_samples;
       needed = found.whole;
     });
+    if (making_.array) needed += 2 * std::int64_t{sizeof(float)} * making_.array->chunk().count();  // one, and packed
   }
   const std::int64_t limit = making_.field.memory_limit();
   if (needed > limit)
@@ -307,33 +324,26 @@ void MeshWork::make_field(const BatchOrder& order, const Mesh& mesh, const GridC
   const ComputeReport report = compute_into(mesh, choice.grid, choice.thickness, field_, options);
   seconds_["compute"] = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  sink_->put(order.mesh, field_, threads_);
-  note_field(order, report, row);
-  if (making_.cache.given()) {
-    const std::string problem = making_.cache.store(cache_key_, sink_->file_of(order.mesh), report);
+  note_field(report, sink_->put(order.mesh, field_, threads_), row);
+  if (making_.cache) {
+    const std::string problem = making_.cache->store(cache_key_, sink_->file_of(order.mesh), report);
     if (!problem.empty()) Console().warn(problem);
   }
   seconds_["write"] = seconds_since(start);
 }
 
-void MeshWork::note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const {
-  row["mesh"]["hash"] = hash_text(report.provenance.mesh_hash);
-  row["samples"] = {{"total", report.samples}, {"band", report.samples_band}};
-  add_sign_report(row, report.sign);
-  const Placed placed = sink_->placed(order.mesh);
-  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
-}
-
 // Whether it was computed before.
 bool MeshWork::fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row) {
-  if (!making_.cache.given()) return false;
+  if (!making_.cache) return false;
   const auto start = std::chrono::steady_clock::now();
-  const Json file{{"format", making_.extension}, {"compress", making_.compress}};
-  cache_key_ = FieldCache::key(mesh, making_.field, choice, file);
-  const auto report = making_.cache.fetch(cache_key_, sink_->file_of(order.mesh), Existing::replace);
-  row["cached"] = report.has_value();
-  if (!report) return false;
-  note_field(order, *report, row);
+  cache_key_ = FieldCache::key(mesh, choice.grid, choice.thickness, making_.field.compute,
+                               {.extension = making_.extension, .compress = making_.compress});
+  sink_->clear(order.mesh);
+  const FieldCache::Fetched found = making_.cache->fetch(cache_key_, sink_->file_of(order.mesh), Existing::replace);
+  if (!found.problem.empty()) Console().warn(found.problem);
+  row["cached"] = found.report.has_value();
+  if (!found.report) return false;
+  note_field(*found.report, sink_->placed(order.mesh), row);
   seconds_["write"] = seconds_since(start);
   return true;
 }
@@ -347,8 +357,7 @@ void MeshWork::make_points(const BatchOrder& order, const Mesh& mesh, const Grid
   add_sign_report(row, query.sign());
   seconds_["compute"] = seconds_since(start);
   start = std::chrono::steady_clock::now();
-  const Placed placed = sink_->put(order.mesh, made, query);
-  row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}};
+  note_result(sink_->put(order.mesh, made, query), row);
   seconds_["write"] = seconds_since(start);
 }
 

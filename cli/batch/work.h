@@ -13,11 +13,11 @@
 #include "batch/training_points.h"
 #include "cli/batch/pool.h"
 #include "cli/batch/sink.h"
-#include "cli/field_cache.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/json.h"
 #include "standoff/field.h"
+#include "standoff/field_cache.h"
 
 namespace standoff::cli {
 
@@ -28,8 +28,9 @@ struct BatchMaking {
   Normalization normalization = Normalization::none;
   std::optional<TrainingPointOptions> points;  ///< in place of a field
   std::string extension = "npz";
+  std::optional<FieldArrayLayout> array;  ///< in place of files
   bool compress = true;
-  FieldCache cache;
+  std::optional<FieldCache> cache;
   int workers = 1;  ///< meshes side by side, and threads of one that has the machine alone
 
   /// All that decides a result, by which runs are compared; with the program's version.
@@ -41,8 +42,9 @@ struct BatchOrder {
   MeshId mesh;
   std::string path;  ///< where it lies
   // Nothing is done where the file and the result are still those of an earlier row:
-  std::uint64_t earlier_hash = 0;  ///< of the file; 0: there is no such row
-  std::int64_t earlier_bytes = 0;  ///< of the result
+  std::uint64_t earlier_hash = 0;    ///< of the file; 0: there is no such row
+  std::int64_t earlier_bytes = 0;    ///< of the result
+  std::uint64_t earlier_result = 0;  ///< its hash
 
   std::string text() const;
   static BatchOrder of(const std::string& text);
@@ -71,7 +73,7 @@ bool is_large_file(const std::string& path, const BatchMaking& making);
 
 class MeshWork {
  public:
-  MeshWork(const BatchMaking& making, std::unique_ptr<ResultSink> sink, const std::string& parameters)
+  MeshWork(const BatchMaking& making, std::shared_ptr<ResultSink> sink, const std::string& parameters)
       : making_(making), sink_(std::move(sink)), parameters_(parameters) {}
 
   /// Makes what was ordered. Whatever is wrong becomes a row. Meshes of more than a million triangles, and fields or
@@ -86,7 +88,6 @@ class MeshWork {
   Mesh read(const BatchOrder& order, Json& row, bool& holds) const;
   void make_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   bool fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
-  void note_field(const BatchOrder& order, const ComputeReport& report, Json& row) const;
   void make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   void begin(const Mesh& mesh, const GridChoice& choice, const std::function<void()>& wait_to_be_alone);
 
@@ -94,8 +95,9 @@ class MeshWork {
   std::shared_ptr<ResultSink> sink_;
   std::string parameters_;
   DistanceField field_;  // kept from one mesh to the next: allocating it anew takes a third of a small field's time
-  Json seconds_, cache_key_;  // of the mesh being worked on
-  double waited_s_ = 0;       // to be alone
+  Json seconds_;         // of the mesh being worked on
+  FieldCache::Key cache_key_;
+  double waited_s_ = 0;  // to be alone
   int threads_ = 1;
   bool alone_ = false;
 };

@@ -14,6 +14,7 @@
 #include "options.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
+#include "standoff/field_cache.h"
 #include "standoff/io.h"
 #include "standoff/slice.h"
 #include "work.h"
@@ -35,6 +36,24 @@ nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, con
     return compute(mesh, grid.grid(), thickness, options);
   });
   return nb::make_tuple(std::move(result.field), computation_dict(result.report, seconds));
+}
+
+// The computation's dictionary has what became of the cache, too.
+nb::tuple compute_cached(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+                         const nb::handle& sign, const std::string& method, int threads, const std::string& device,
+                         std::int64_t memory_limit, const std::filesystem::path& folder, const nb::object& progress) {
+  const MeshView mesh = view_of(vertices, faces);
+  ComputeOptions options = compute_options(sign, method, false, threads, device, memory_limit);
+  double seconds = 0;
+  FieldCache::Computed made = watched(progress, [&](const ProgressCallback& report) {
+    options.progress = report;
+    const Timed timed(seconds);
+    return FieldCache(folder).compute(mesh, grid.grid(), thickness, options);
+  });
+  nb::dict done = computation_dict(made.report, seconds);
+  done["cached"] = made.cached;
+  done["problem"] = made.problem;
+  return nb::make_tuple(std::move(made.field), done);
 }
 
 nb::dict compute_dense(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
@@ -277,6 +296,8 @@ void add_fields(nb::module_& m) {
   m.def("from_dense", &from_dense, "grid"_a, "thickness"_a, "values"_a.noconvert(), "provenance"_a);
   m.def("compute", &compute_field, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a, "sign"_a,
         "method"_a, "nearest"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
+  m.def("compute_cached", &compute_cached, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
+        "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "cache"_a, "progress"_a.none());
   m.def("compute_dense", &compute_dense, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
         "out"_a.noconvert(), "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
   m.def("dense_bytes", &dense_bytes, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,

@@ -84,7 +84,8 @@ def batch(
         sign: as for `field`.
         normalize: ``"unit-cube"`` moves each mesh's box to the origin and scales its longest side to 1; ``"unit-sphere"``
             scales the farthest corner's distance to 1.
-        format: of the fields' files, an extension of `DistanceField.save`.
+        format: of the fields' files, an extension of `DistanceField.save`; or ``"array"``: one Zarr array of all fields,
+            ``out/fields.zarr``, a row for each mesh (docs/batch.md). It takes `shape`.
         points: write so many points with exact distances in place of fields: training data.
         near: the share of points near the surface, by default 0.8; the others are uniform in the grid's box.
         sigma: two deviations of the offsets from the surface, as shares of the box's longest side.

@@ -68,14 +68,14 @@ def text(value: Any, what: str) -> str:
     return value
 
 
-def path_of(path: Any) -> str:
+def path_of(path: Any, what: str = "path") -> str:
     """The name of a file that is to be written."""
     try:
         found = os.fsdecode(path)
     except TypeError:
-        raise TypeError(f"path: must be a string or a pathlib.Path, not {type(path).__name__}") from None
+        raise TypeError(f"{what}: must be a string or a pathlib.Path, not {type(path).__name__}") from None
     if "\0" in found:
-        raise ValueError("path: holds a null character, which no file's name can")
+        raise ValueError(f"{what}: holds a null character, which no file's name can")
     return found
 
 

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _core
-from ._checks import flag, name, runs_on
+from ._checks import PathLike, flag, name, path_of, runs_on
 from ._device_compute import fields_on_gpu
 from ._device_mesh import MeshOnDevice, parts_on_gpu
 from ._errors import make
@@ -37,6 +38,7 @@ def field(
     stream: Any = None,
     threads: int = 0,
     memory_limit: int | None = None,
+    cache: PathLike | None = None,
     progress: Progress = None,
 ) -> DistanceField:
     """Computes the distance field of a mesh. Values are exact up to rounding to float32.
@@ -68,6 +70,9 @@ def field(
         threads: 0 for all. Values do not depend on it.
         memory_limit: bytes of the CPU's memory; by default 80 % of the machine's, or of its control group's; negative
             for no limit.
+        cache: a folder of fields that were computed before, which many processes may share, and the program's
+            ``--cache``: the field is taken from there, or computed and kept there as ``.npz``. An entry that is damaged
+            is computed anew, with a warning. For distances alone: without `nearest` and `out`, and on the CPU's memory.
         progress: True for a bar by tqdm, or a function of stage and fraction. What it raises ends the work.
 
     Raises:
@@ -76,9 +81,14 @@ def field(
         UsageError, ValueError, TypeError: arguments.
         LimitError: more memory than `memory_limit`.
         DeviceError: there is no such GPU, or arrays lie on several devices.
+        OutputError: the folder of `cache` cannot be made.
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
     parts = parts_on_gpu(mesh)
+    if cache is not None and (parts is not None or nearest or out is not None):
+        raise ValueError(
+            "cache: it keeps distances in the CPU's memory alone; leave it out, or nearest, out and arrays on a GPU"
+        )
     if parts is not None:
         on_gpu = MeshOnDevice(parts, runs_on(threads, device)[1], stream)
         sizes = (grid, resolution, spacing, shape, padding, band, thickness)
@@ -101,12 +111,27 @@ def field(
         if nearest:
             raise ValueError("out and nearest: nearest triangles are stored in tiles; leave out one of these")
         dense = _checked_out(out, where)
-    elif math.isinf(half_width) and not nearest:
+    elif math.isinf(half_width) and not nearest and cache is None:
         mesh_and_grid = found.vertices, found.faces, where._core()
         dense = _new_dense(where, limit, lambda: _core.dense_bytes(*mesh_and_grid, half_width, asked))
     settings = (asked, name(method, "method"))
     with progress_of(progress, "field") as report:
-        if dense is None:
+        if cache is not None:
+            native, done = _core.compute_cached(
+                found.vertices,
+                found.faces,
+                where._core(),
+                half_width,
+                *settings,
+                *runs_on(threads, device),
+                limit,
+                path_of(cache, "cache"),
+                report,
+            )
+            problem = done.pop("problem")
+            if problem:
+                warnings.warn(problem, RuntimeWarning, stacklevel=2)
+        elif dense is None:
             native, done = _core.compute(
                 found.vertices,
                 found.faces,
@@ -118,6 +143,7 @@ def field(
                 limit,
                 report,
             )
+        if dense is None:
             signs = sign_report(done.pop("sign"), asked, stacklevel=2)
             del done["provenance"], done["method"]
             return DistanceField._of_native(native, signs, done)

@@ -135,7 +135,8 @@ class DistanceField:
         """What computing it did; None if it was not computed here.
 
         The keys are ``backend``, ``device``, ``threads``, ``triangles``, ``samples_band``,
-        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``.
+        ``samples_examined`` (distances between a sample and a triangle) and ``seconds``. With a cache also ``cached``:
+        whether that was an earlier computation.
         """
         return self._computation
 

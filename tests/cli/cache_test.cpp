@@ -82,14 +82,19 @@ TEST_F(Cache, ADamagedEntryIsMadeAgain) {
                                          {".json", std::string("{\"key\":1}")},
                                          {".json", std::string()}}) {
     write_bytes(entry(extension), bytes);
-    EXPECT_FALSE(cached("-r 24")) << extension << " of " << bytes.size() << " bytes";
+    const Ran ran = done(words("compute mesh.obj -o a.npz -f --cache kept --json -q -r 24"));
+    EXPECT_EQ(ran.json()["cached"], false) << extension << " of " << bytes.size() << " bytes";
+    EXPECT_TRUE(ran.says(" is damaged; the field is computed and kept anew")) << ran.err;
     EXPECT_EQ(read_bytes(folder / "a.npz"), made);
+    EXPECT_FALSE(done(words("compute mesh.obj -o a.npz -f --cache kept -r 24")).says("damaged"));
     EXPECT_TRUE(cached("-r 24"));
     fs::remove(folder / "a.npz");
   }
   for (const char* extension : {".npz", ".json"}) {
     fs::remove(entry(extension));
-    EXPECT_FALSE(cached("-r 24"));
+    const Ran ran = done(words("compute mesh.obj -o a.npz -f --cache kept --json -r 24"));
+    EXPECT_EQ(ran.json()["cached"], false);
+    EXPECT_FALSE(ran.says("damaged")) << ran.err;  // somebody has removed it
     fs::remove(folder / "a.npz");
   }
 }
@@ -129,7 +134,7 @@ TEST_F(Cache, WhatCannotBe) {
     EXPECT_EQ(ran.code, code) << line << ": " << ran.err;
     EXPECT_TRUE(ran.says(part)) << line << ": " << ran.err;
   };
-  refused("compute mesh.obj -o a.vti --cache file", 4, "file: cannot make the folder of --cache");
+  refused("compute mesh.obj -o a.vti --cache file", 4, "file: cannot make the folder of the cache");
   refused("compute mesh.obj -o a.vti --cache kept --with closest", 2, "--cache: it keeps distances alone");
   refused("batch mesh.txt -o out --points 9 --cache kept", 2, "--cache keeps fields");
   // A cache that cannot be written takes nothing away.

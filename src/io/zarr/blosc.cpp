@@ -16,11 +16,11 @@ bool have_blosc() { return true; }
 
 std::size_t blosc_most(std::size_t bytes) { return bytes + BLOSC_MAX_OVERHEAD; }
 
-std::vector<std::byte> blosc_packed(std::span<const std::byte> bytes) {
+std::vector<std::byte> blosc_packed(std::span<const std::byte> bytes, int level, std::size_t block) {
   std::vector<std::byte> packed(blosc_most(bytes.size()));
   // The functions with _ctx have no state in common; one thread of their own, for our threads have a chunk each.
-  const int size = ::blosc_compress_ctx(kBloscLevel, BLOSC_SHUFFLE, kNumberBytes, bytes.size(), bytes.data(),
-                                        packed.data(), packed.size(), BLOSC_ZSTD_COMPNAME, 0, 1);
+  const int size = ::blosc_compress_ctx(level, BLOSC_SHUFFLE, kNumberBytes, bytes.size(), bytes.data(), packed.data(),
+                                        packed.size(), BLOSC_ZSTD_COMPNAME, block, 1);
   if (size <= 0)
     throw Error(ErrorCode::usage,
                 "zarr: the blosc library of this machine cannot compress with zstd; install one that can");
@@ -49,7 +49,7 @@ std::string blosc_unpack(std::string_view packed, std::span<std::byte> out) {
 
 bool have_blosc() { return false; }
 std::size_t blosc_most(std::size_t bytes) { return bytes; }
-std::vector<std::byte> blosc_packed(std::span<const std::byte>) {
+std::vector<std::byte> blosc_packed(std::span<const std::byte>, int, std::size_t) {
   throw Error(ErrorCode::internal, std::string("zarr: ") + kWithoutBlosc);
 }
 std::string blosc_unpack(std::string_view, std::span<std::byte>) { return kWithoutBlosc; }

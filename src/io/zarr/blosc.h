@@ -19,9 +19,9 @@ bool have_blosc();
 inline constexpr const char* kWithoutBlosc =
     "this build of standoff lacks blosc; build it where blosc is found (Debian: libblosc-dev)";
 
-/// Compresses numbers of 4 bytes: zstd of the bytes shuffled. The result depends on the bytes alone. Requires
-/// have_blosc(), and at most 2^30 bytes.
-std::vector<std::byte> blosc_packed(std::span<const std::byte> bytes);
+/// Compresses numbers of 4 bytes: zstd of the bytes shuffled, in blocks of so many bytes; 0: as blosc chooses them. The
+/// result depends on the arguments alone. Requires have_blosc(), and at most 2^30 bytes.
+std::vector<std::byte> blosc_packed(std::span<const std::byte> bytes, int level = kBloscLevel, std::size_t block = 0);
 
 /// The most bytes that `bytes` bytes become.
 std::size_t blosc_most(std::size_t bytes);
