@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/zarr/metadata.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -16,6 +20,8 @@
 #include "core/number_text.h"
 #include "files/json_view.h"
 #include "io/zarr/blosc.h"
+#include "io/zarr/parts.h"
+#include "io/zarr/shard.h"
 #include "standoff/error.h"
 
 namespace standoff::zarr {
@@ -27,8 +33,9 @@ constexpr int kDeepest = 32;
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 constexpr const char *kInfinity = "Infinity", *kMinusInfinity = "-Infinity", *kNotANumber = "NaN";
 constexpr const char* kCodecsThatWork =
-    "standoff reads chunks of transpose [2,1,0] or none, bytes (little endian) and blosc or nothing, in that order, in "
-    "shards (sharding_indexed) or alone; write the store so";
+    "standoff reads chunks of transpose [2,1,0] or none, bytes (little endian), blosc or nothing, and crc32c or "
+    "nothing, in that order, in shards (sharding_indexed) or alone; write the store so";
+constexpr const char *kOwnAttributes = "standoff", *kSum = "metadata_crc32c";
 
 // Texts of provenance are ASCII; other bytes might be no UTF-8, and then nobody could read the JSON.
 std::string quoted_text(std::string_view text) {
@@ -72,6 +79,7 @@ std::string chunk_codecs(const ArrayLayout& layout) {
     codecs += ", " + codec_json("blosc", R"("cname": "zstd", "clevel": )" + std::to_string(kBloscLevel) +
                                              R"(, "shuffle": "shuffle", "typesize": )" + std::to_string(kNumberBytes) +
                                              R"(, "blocksize": 0)");
+  if (layout.checked) codecs += R"(, {"name": "crc32c"})";
   return "[" + codecs + "]";
 }
 
@@ -84,6 +92,38 @@ std::string codecs_json(const ArrayLayout& layout) {
                                             member("index_codecs", index) + ", " +
                                             member("index_location", layout.index_first ? R"("start")" : R"("end")")) +
          "]";
+}
+
+// The text of an array's zarr.json. `attributes`: JSON.
+std::string array_text(const ArrayLayout& layout, const std::string& attributes) {
+  const std::string fill = layout.whole_numbers ? std::to_string(layout.fill)
+                                                : number_json(static_cast<double>(std::bit_cast<float>(layout.fill)));
+  const std::vector<std::string> members{
+      member("zarr_format", "3"),
+      member("node_type", "\"array\""),
+      member("shape", list_json(layout.shape)),
+      member("data_type", layout.whole_numbers ? "\"uint32\"" : "\"float32\""),
+      member("dimension_names", R"(["x", "y", "z"])"),
+      member("chunk_grid", codec_json("regular", member("chunk_shape", list_json(layout.shard)))),
+      member("chunk_key_encoding",
+             codec_json("default", member("separator", quoted_text(std::string_view(&layout.separator, 1))))),
+      member("fill_value", fill),
+      member("codecs", codecs_json(layout)),
+      member("attributes", "{" + attributes + "}")};
+  std::string text;
+  for (const std::string& one : members) text += (text.empty() ? "{\n  " : ",\n  ") + one;
+  return text + "\n}\n";
+}
+
+// The members of our attributes, but for the checksum.
+std::string own_members(const StoreMetadata& store, bool nearest) {
+  const Provenance& from = store.provenance;
+  return member("format", std::to_string(kFormat)) + ", " + member("origin", list_json(store.grid.origin)) + ", " +
+         member("spacing", list_json(store.grid.spacing)) + ", " + member("thickness", number_json(store.thickness)) +
+         ", " + member("nearest", nearest ? "true" : "false") + ", " + member("method", quoted_text(from.method)) +
+         ", " + member("sign", quoted_text(from.sign)) + ", " +
+         member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
+         member("version", quoted_text(from.version));
 }
 
 // What a member is called, or what a codec is: its name alone, or an object with the name and its configuration.
@@ -178,8 +218,8 @@ void expect_version(const JsonView& json, const char* node) {
 
 // The codecs of a chunk.
 void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
-  enum { kArrays, kBytes, kPacked } reached = kArrays;
-  layout.x_fastest = layout.blosc = false;
+  enum { kArrays, kBytes, kPacked, kChecked } reached = kArrays;
+  layout.x_fastest = layout.blosc = layout.checked = false;
   const auto not_read = [](const Named& codec) {
     codec.json.fail("codec " + in_quotes(codec.name) + " is not read here; " + kCodecsThatWork);
   };
@@ -200,6 +240,9 @@ void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
     } else if (codec.name == "blosc" && reached == kBytes) {
       layout.blosc = true;
       reached = kPacked;
+    } else if (codec.name == "crc32c" && (reached == kBytes || reached == kPacked)) {
+      layout.checked = true;
+      reached = kChecked;
     } else {
       not_read(codec);
     }
@@ -261,7 +304,7 @@ void expect_axes(const JsonView& json) {
   });
 }
 
-// What the group of a store says of its first level.
+// What the group of a store says of a level.
 struct Level {
   std::string array = kDistanceName;
   std::optional<Vec3> scale;
@@ -290,37 +333,74 @@ std::optional<JsonView> first_of(const JsonView& list) {
   return first;
 }
 
-Level read_group(const JsonView& json) {
+Level read_level(const JsonView& set) {
+  Level level;
+  const JsonView path = need(set, "path");
+  level.array = path.text();
+  const std::filesystem::path name(level.array);
+  if (name.empty() || name.is_absolute() || std::ranges::find(name, "..") != name.end())
+    path.fail(in_quotes(level.array) + " is no array of this store; write it again");
+  read_transformations(need(set, "coordinateTransformations"), level);
+  return level;
+}
+
+struct Group {
+  std::vector<Level> levels;
+  bool own = false;  // standoff wrote it, and so its arrays' attributes
+};
+
+Group read_group(const JsonView& json) {
   expect_version(json, "group");
   expect_known(json, {"zarr_format", "node_type", "attributes", "consolidated_metadata"});
-  Level level;
+  Group group;
   const auto attributes = json.find("attributes");
+  group.own = attributes && attributes->find(kOwnAttributes);
   const auto ome = attributes ? attributes->find("ome") : std::nullopt;
   const auto scales = ome ? ome->find("multiscales") : std::nullopt;
   const auto image = scales ? first_of(*scales) : std::nullopt;
-  if (!image) return level;
+  if (!image) {
+    group.levels.emplace_back();
+    return group;
+  }
   std::vector<std::string> axes;
   const JsonView named_axes = need(*image, "axes");
   named_axes.each_element([&](const JsonView& axis) { axes.push_back(need(axis, "name").text()); });
   if (!std::ranges::equal(axes, kAxes, {}, {}, [](const char* axis) { return std::string(axis); }))
     named_axes.fail("axes are read in the order x, y, z; transpose the array and write it again");
   const JsonView sets = need(*image, "datasets");
-  const auto set = first_of(sets);
-  if (!set) sets.fail("it lists no array; write the store again");
-  const JsonView path = need(*set, "path");
-  level.array = path.text();
-  const std::filesystem::path name(level.array);
-  if (name.empty() || name.is_absolute() || std::ranges::find(name, "..") != name.end())
-    path.fail(in_quotes(level.array) + " is no array of this store; write it again");
-  read_transformations(need(*set, "coordinateTransformations"), level);
-  return level;
+  sets.each_element([&](const JsonView& set) {
+    if (group.levels.size() == kMostLevels)
+      set.fail("more than " + std::to_string(kMostLevels) + " levels are not read; write fewer");
+    group.levels.push_back(read_level(set));
+  });
+  if (group.levels.empty()) sets.fail("it lists no array; write the store again");
+  return group;
+}
+
+// What the checksum of an array's metadata is of: all that its samples depend on, however it is written down.
+std::uint32_t sum_of(const ArrayLayout& layout, const std::string& members) {
+  const std::string text = array_text(layout, members);
+  return crc32c(std::as_bytes(std::span(text)));
+}
+
+void check_sum(const JsonView& own, const ArrayLayout& layout, const std::string& members) {
+  const auto sum = own.find(kSum);
+  if (sum && sum->whole() != sum_of(layout, members))
+    sum->fail(std::string("it is not the checksum of this metadata, which is damaged, or was changed; write the store "
+                          "again, or leave \"") +
+              kSum + "\" out where the change is meant");
+}
+
+// The attributes of standoff.
+std::optional<JsonView> own_attributes(const JsonView& array) {
+  const auto attributes = array.find("attributes");
+  return attributes ? attributes->find(kOwnAttributes) : std::nullopt;
 }
 
 // Grid, thickness and provenance; returns whether there are nearest triangles.
 bool read_attributes(const FileView& file, const JsonView& array, const std::optional<Level>& level,
                      StoreMetadata& store) {
-  const auto attributes = array.find("attributes");
-  const auto own = attributes ? attributes->find("standoff") : std::nullopt;
+  const auto own = own_attributes(array);
   store.grid.size = store.distance.shape;
   store.thickness = std::numeric_limits<double>::infinity();
   if (!own) {
@@ -348,8 +428,15 @@ bool read_attributes(const FileView& file, const JsonView& array, const std::opt
     if (!number) hash->fail("the mesh's hash is not of the form 0x0123456789abcdef; repair the file");
     store.provenance.mesh_hash = *number;
   }
-  const auto nearest = own->find("nearest");
-  return nearest && nearest->boolean();
+  const auto found = own->find("nearest");
+  const bool nearest = found && found->boolean();
+  check_sum(*own, store.distance, own_members(store, nearest));
+  if (own->find(kSum) && level && level->scale &&
+      (*level->scale != store.grid.spacing || level->translation != store.grid.origin))
+    FileView(store.path / kMetadataName, std::string_view())
+        .fail("multiscales", "scale and translation of " + in_quotes(level->array) +
+                                 " are not the spacing and origin that its array has; write the store again");
+  return nearest;
 }
 
 void check(const FileView& file, const StoreMetadata& store) {
@@ -375,9 +462,22 @@ JsonView json_of(const FileView& file) {
   return JsonView::read(file, file.bytes(), kDeepest);
 }
 
+FileView metadata_in(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kMetadataName;
+  const Descriptor file = open_stored(path, "metadata is");
+  const FileView shown(path, std::string_view());
+  struct stat about {};
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) shown.fail(cannot_read(errno));
+  if (static_cast<std::uint64_t>(about.st_size) > kMostMetadataBytes)
+    shown.fail("it has more than " + std::to_string(kMostMetadataBytes >> 20) +
+               " MiB, where metadata takes some thousand bytes; write the store again");
+  return FileView(path, file, kMostMetadataBytes);
+}
+
 void read_nearest(const std::filesystem::path& path, StoreMetadata& store) {
-  const FileView file(path / kNearestName / kMetadataName);
+  const FileView file = metadata_in(path / kNearestName);
   store.nearest = layout_in(file, path / kNearestName, true);
+  if (const auto own = own_attributes(json_of(file))) check_sum(*own, *store.nearest, "");
   if (store.nearest->shape != store.distance.shape)
     file.fail("there are not as many nearest triangles as distances; write the store again");
 }
@@ -394,50 +494,48 @@ std::filesystem::path ArrayLayout::file_name(const Size3& n) const {
   return "c" + s + x + s + y + s + z;
 }
 
-std::string array_text(const ArrayLayout& layout, const std::string& attributes) {
-  const std::string fill = layout.whole_numbers ? std::to_string(layout.fill)
-                                                : number_json(static_cast<double>(std::bit_cast<float>(layout.fill)));
-  const std::vector<std::string> members{
-      member("zarr_format", "3"),
-      member("node_type", "\"array\""),
-      member("shape", list_json(layout.shape)),
-      member("data_type", layout.whole_numbers ? "\"uint32\"" : "\"float32\""),
-      member("dimension_names", R"(["x", "y", "z"])"),
-      member("chunk_grid", codec_json("regular", member("chunk_shape", list_json(layout.shard)))),
-      member("chunk_key_encoding", codec_json("default", R"("separator": "/")")),
-      member("fill_value", fill),
-      member("codecs", codecs_json(layout)),
-      member("attributes", "{" + attributes + "}")};
-  std::string text;
-  for (const std::string& one : members) text += (text.empty() ? "{\n  " : ",\n  ") + one;
-  return text + "\n}\n";
+StoreMetadata level_of(const StoreMetadata& store, int number) {
+  StoreMetadata level = store;
+  const std::int64_t step = std::int64_t{1} << number;
+  level.grid.size = parts_of(store.grid.size, {step, step, step});
+  level.grid.spacing = store.grid.spacing * static_cast<double>(step);
+  level.distance.shape = level.grid.size;
+  level.distance.folder = store.distance.folder.parent_path() / std::to_string(number);
+  if (number > 0) level.nearest.reset();
+  return level;
 }
 
-std::string field_attributes(const StoreMetadata& store) {
-  const Provenance& from = store.provenance;
-  return member(
-      "standoff",
-      "{" + member("format", std::to_string(kFormat)) + ", " + member("origin", list_json(store.grid.origin)) + ", " +
-          member("spacing", list_json(store.grid.spacing)) + ", " + member("thickness", number_json(store.thickness)) +
-          ", " + member("nearest", store.nearest ? "true" : "false") + ", " +
-          member("method", quoted_text(from.method)) + ", " + member("sign", quoted_text(from.sign)) + ", " +
-          member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
-          member("version", quoted_text(from.version)) + "}");
+namespace {
+
+std::string text_with_sum(const ArrayLayout& layout, const std::string& members) {
+  const std::string sum = member(kSum, std::to_string(sum_of(layout, members)));
+  return array_text(layout, member(kOwnAttributes, "{" + members + (members.empty() ? "" : ", ") + sum + "}"));
 }
+
+}  // namespace
+
+std::string distance_text(const StoreMetadata& store) {
+  return text_with_sum(store.distance, own_members(store, store.nearest.has_value()));
+}
+std::string nearest_text(const StoreMetadata& store) { return text_with_sum(*store.nearest, ""); }
 
 std::string group_text(const StoreMetadata& store) {
-  std::string axes;
+  std::string axes, sets;
   for (const char* axis : kAxes) {
     if (!axes.empty()) axes += ", ";
     axes.append("{").append(member("name", quoted_text(axis))).append(R"(, "type": "space"})");
   }
-  const std::string set = R"({"path": ")" + std::string(kDistanceName) +
-                          R"(", "coordinateTransformations": [{"type": "scale", "scale": )" +
-                          list_json(store.grid.spacing) + R"(}, {"type": "translation", "translation": )" +
-                          list_json(store.grid.origin) + "}]}";
-  return "{\n  \"zarr_format\": 3,\n  \"node_type\": \"group\",\n  \"attributes\": {\"ome\": {\"version\": \"0.5\", "
-         "\"multiscales\": [{\"name\": \"distance\", \"axes\": [" +
-         axes + "], \"datasets\": [" + set + "]}]}}\n}\n";
+  for (int number = 0; number < store.levels; ++number) {
+    const Grid grid = level_of(store, number).grid;
+    sets += (number > 0 ? ", " : "") + std::string("{") + member("path", quoted_text(std::to_string(number))) +
+            R"(, "coordinateTransformations": [{"type": "scale", "scale": )" + list_json(grid.spacing) +
+            R"(}, {"type": "translation", "translation": )" + list_json(grid.origin) + "}]}";
+  }
+  return std::string("{\n  \"zarr_format\": 3,\n  \"node_type\": \"group\",\n  \"attributes\": {") +
+         member(kOwnAttributes, "{" + member("format", std::to_string(kFormat)) + "}") +
+         ",\n    \"ome\": {\"version\": \"0.5\", \"multiscales\": [{\"name\": \"distance\", " +
+         (store.levels > 1 ? R"("type": "decimation", )" : "") + "\"axes\": [" + axes + "], \"datasets\": [" + sets +
+         "]}]}}\n}\n";
 }
 
 ArrayLayout read_array(const FileView& file) {
@@ -468,30 +566,62 @@ ArrayLayout read_array(const FileView& file) {
   return layout;
 }
 
-StoreMetadata read_store(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  if (!std::filesystem::exists(status)) fail_no_store(path, "no such file; check the name");
+Descriptor open_stored(const std::filesystem::path& path, const char* what) {
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would wait
+  const FileView shown(path, std::string_view());
+  struct stat about {};
+  if (file.number() < 0 && errno == ENOENT) {
+    if (::lstat(path.c_str(), &about) == 0) shown.fail("it is a link to what is not there; write the store again");
+    errno = ENOENT;
+    return file;
+  }
+  if (file.number() < 0 && errno == ENOTDIR) shown.fail("a file is where its folder should be; write the store again");
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) shown.fail(cannot_read(errno));
+  if (!S_ISREG(about.st_mode))
+    shown.fail(std::string("it is no regular file, as ") + what + "; write the store again");
+  return file;
+}
+
+StoreMetadata read_store(const std::filesystem::path& path, int level) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) fail_no_store(path, "no such file; check the name");
+  if (!std::filesystem::exists(status)) fail_no_store(path, cannot_read(error.value()));
   if (!std::filesystem::is_directory(status))
     fail_no_store(path, "it is a file, and a Zarr store is a folder; check the name");
-  if (!std::filesystem::exists(path / kMetadataName, ignored))
-    fail_no_store(
-        path, std::filesystem::exists(path / ".zgroup", ignored) || std::filesystem::exists(path / ".zarray", ignored)
-                  ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
-                  : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
+  const auto holds = [&](const char* name) {
+    std::error_code ignored;
+    return std::filesystem::symlink_status(path / name, ignored).type() != std::filesystem::file_type::not_found;
+  };
+  if (!holds(kMetadataName))
+    fail_no_store(path, holds(".zgroup") || holds(".zarray")
+                            ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
+                            : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
   StoreMetadata store;
   store.path = path;
-  const FileView top(path / kMetadataName);
+  const FileView top = metadata_in(path);
   const JsonView json = json_of(top);
   std::filesystem::path folder = path;
-  std::optional<Level> level;
+  Group group;
   if (need(json, "node_type").text() != "array") {
-    level = read_group(json);
-    folder /= level->array;
+    group = read_group(json);
+    store.levels = static_cast<int>(group.levels.size());
   }
-  const FileView file(folder / kMetadataName);
+  if (level < 0 || level >= store.levels)
+    throw Error(ErrorCode::usage, path.string() + ": there is no level " + std::to_string(level) + "; it has " +
+                                      (store.levels == 1 ? std::string("level 0 alone")
+                                                         : "levels 0 to " + std::to_string(store.levels - 1)));
+  std::optional<Level> found;
+  if (!group.levels.empty()) {
+    found = group.levels[static_cast<std::size_t>(level)];
+    folder /= found->array;
+  }
+  const FileView file = metadata_in(folder);
+  const JsonView array = json_of(file);
   store.distance = layout_in(file, folder, false);
-  if (read_attributes(file, json_of(file), level, store) && level) read_nearest(path, store);
+  if (group.own && !own_attributes(array))
+    file.fail("its attributes lack \"standoff\", which the store says that it has; write the store again");
+  if (read_attributes(file, array, found, store) && found) read_nearest(path, store);
   check(file, store);
   return store;
 }
@@ -502,7 +632,8 @@ namespace {
 bool is_of_store(const std::filesystem::path& name) {
   const auto first = name.begin();
   if (name == kMetadataName) return true;
-  if (*first != kDistanceName && *first != kNearestName) return false;
+  const std::string array = first->string();
+  if (array != kNearestName && array.find_first_not_of("0123456789") != std::string::npos) return false;
   auto part = std::next(first);
   if (part == name.end() || (*part == kMetadataName && std::next(part) == name.end())) return true;
   if (*part != "c") return false;
@@ -512,6 +643,23 @@ bool is_of_store(const std::filesystem::path& name) {
         text.starts_with(".standoff-") && text.ends_with(".part");  // of a writer that was killed
     return is_unfinished || text.find_first_not_of("0123456789") == std::string::npos;
   });
+}
+
+bool is_own_array(const std::filesystem::path& folder) {
+  const FileView file = metadata_in(folder);
+  return own_attributes(json_of(file)).has_value();
+}
+
+// Whether the folders that are called as levels are ours.
+bool has_own_levels_alone(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator at(folder, error);
+  for (; !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.find_first_not_of("0123456789") == std::string::npos && !is_own_array(at->path()))
+      return false;
+  }
+  return !error;
 }
 
 bool holds_a_store_alone(const std::filesystem::path& folder) {
@@ -525,10 +673,8 @@ bool holds_a_store_alone(const std::filesystem::path& folder) {
 }  // namespace
 
 bool is_own_store(const std::filesystem::path& path) try {
-  const FileView file(path / kDistanceName / kMetadataName);
-  const auto attributes = json_of(file).find("attributes");
-  return attributes && attributes->find("standoff") && std::filesystem::exists(path / kMetadataName) &&
-         holds_a_store_alone(path);
+  return is_own_array(path / kDistanceName) && std::filesystem::exists(path / kMetadataName) && holds_a_store_alone(path) &&
+         has_own_levels_alone(path);
 } catch (const Error& error) {
   if (error.code() != ErrorCode::input) throw;  // such as memory that runs out
   return false;
