@@ -413,10 +413,8 @@ void ComputeCommand::run() {
 }
 
 FieldWriteOptions ComputeCommand::write_options() const {
-  return {.existing = output.existing(),
-          .compress = !uncompressed,
-          .threads = options.execution.threads,
-          .levels = levels};
+  return {
+      .existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads, .levels = levels};
 }
 
 Outcome ComputeCommand::write_or_fetch(const Plan& plan) {

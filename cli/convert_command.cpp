@@ -74,9 +74,8 @@ void ConvertCommand::run() {
     const Grid& grid = slices ? slices->grid() : read.field.grid();
     const FieldWriteOptions options{
         .existing = output.existing(), .compress = !uncompressed, .sidecars = read.sidecars, .levels = levels};
-    with_spinner(console, writing, [&] {
-      slices ? write_slices(*slices, options) : write_field(output.path(), read.field, options);
-    });
+    with_spinner(console, writing,
+                 [&] { slices ? write_slices(*slices, options) : write_field(output.path(), read.field, options); });
     console.say(output.path().string() + ": " + size_text(grid.size) + " samples");
     return report("field", "grid", json_grid(grid));
   }

@@ -242,7 +242,8 @@ void FieldArgument::add_to(CLI::App& verb, const std::string& what) {
   const std::string help = "most memory for " + what + ", as in 500M or 8G,\nor none (default: 80 % of the machine's)";
   add_parsed(verb, {"--memory-limit", "SIZE", help.c_str(), "Input"},
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
-  add_parsed(verb, {"--level", "N", "of a .zarr store: level N, which has every 2^N-th sample\n(default 0: all)", "Input"},
+  add_parsed(verb,
+             {"--level", "N", "of a .zarr store: level N, which has every 2^N-th sample\n(default 0: all)", "Input"},
              [this](S o, S t) { level_ = static_cast<int>(parse_count(o, t, 0, 31)); });
 }
 
@@ -257,9 +258,8 @@ FieldReadOptions FieldArgument::options_for(const std::string& name) const {
 
 DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
   const FieldReadOptions options = options_for(name);
-  return with_spinner(console, "reading " + name, [&] {
-    return level_ > 0 ? open_store(name).read(options) : read_field(name, options);
-  });
+  return with_spinner(console, "reading " + name,
+                      [&] { return level_ > 0 ? open_store(name).read(options) : read_field(name, options); });
 }
 
 ZarrStore FieldArgument::open_store(const std::string& name) const {

@@ -112,11 +112,9 @@ DistanceField SliceCommand::read(SlicePlane& plane) {
   size[axis] = 1;
   draw(0);
   options.part = {plane.index, grid.size[axis]};
-  return with_spinner(console, "reading " + field,
-                      [&] {
-                        return store ? store->read(first, size, input.reading())
-                                     : slices.read(plane.index, 1, input.reading());
-                      });
+  return with_spinner(console, "reading " + field, [&] {
+    return store ? store->read(first, size, input.reading()) : slices.read(plane.index, 1, input.reading());
+  });
 }
 
 void SliceCommand::run() {

@@ -155,7 +155,8 @@ std::vector<Draw> draw(std::int64_t count, std::uint64_t seed, std::int64_t stor
   std::mt19937_64 random(seed);
   std::vector<Draw> draws(static_cast<std::size_t>(count));
   for (std::size_t n = 0; n < draws.size(); ++n) {
-    if (n % 2 == 1 && stored > 0) draws[n].tile = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(stored));
+    if (n % 2 == 1 && stored > 0)
+      draws[n].tile = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(stored));
     for (std::uint64_t& number : draws[n].at) number = random();
   }
   return draws;
@@ -414,8 +415,7 @@ VerifyResult verify_slices(Slices& slices, MeshView mesh, const VerifyOptions& o
   validate(mesh);
 
   ProgressMeter progress(options.progress);
-  std::vector<Finding> findings(
-      static_cast<std::size_t>(std::min(options.samples, slices.grid().sample_count())));
+  std::vector<Finding> findings(static_cast<std::size_t>(std::min(options.samples, slices.grid().sample_count())));
   VerifyResult result;
   Threads(options.execution.threads).run([&] {
     progress.stage("read", slices.parts(), 0, 0.05);

@@ -157,9 +157,9 @@ TEST(Verify, SlicesAreTheField) {
     const VerifyResult whole = verify(field, mesh, {.samples = samples}),
                        sliced = verify(grid, field.thickness(), read, mesh, {.samples = samples}, 1);
     EXPECT_EQ(most, 32);
-    EXPECT_EQ(std::tie(whole.samples, whole.samples_band, whole.samples_wrong, whole.nearest_wrong, whole.mesh_differs),
-              std::tie(sliced.samples, sliced.samples_band, sliced.samples_wrong, sliced.nearest_wrong,
-                       sliced.mesh_differs));
+    EXPECT_EQ(
+        std::tie(whole.samples, whole.samples_band, whole.samples_wrong, whole.nearest_wrong, whole.mesh_differs),
+        std::tie(sliced.samples, sliced.samples_band, sliced.samples_wrong, sliced.nearest_wrong, sliced.mesh_differs));
     EXPECT_GT(samples > 500 ? whole.samples_wrong : 1, 0);
     expect_same(whole.largest, sliced.largest);
     expect_same(whole.worst, sliced.worst);

@@ -72,9 +72,8 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
 
 void check_options(const std::filesystem::path& path, const FieldFormat& format, const FieldWriteOptions& options) {
   if (options.levels != 1 && !format.folder)
-    throw Error(ErrorCode::usage,
-                path.string() + ": ." + format.extension + " has no levels; write ." + kFieldZarr.extension +
-                    ", or leave them out");
+    throw Error(ErrorCode::usage, path.string() + ": ." + format.extension + " has no levels; write ." +
+                                      kFieldZarr.extension + ", or leave them out");
   if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
 }
 

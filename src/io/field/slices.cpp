@@ -122,8 +122,8 @@ DistanceField FieldSlices::read(std::int64_t first, std::int64_t count, const Fi
   StoredField part = contents_->stored;
   part.sidecars.clear();
   part.grid = grid().window({0, 0, first}, {size.x, size.y, count});
-  const std::uint64_t before = sample_bytes(grid()) / static_cast<std::uint64_t>(size.z) *
-                               static_cast<std::uint64_t>(first);
+  const std::uint64_t before =
+      sample_bytes(grid()) / static_cast<std::uint64_t>(size.z) * static_cast<std::uint64_t>(first);
   part.distance = part.distance.from(before);
   if (part.nearest) part.nearest = part.nearest->from(before);
   DistanceField field = load_field(*contents_->file, part, {memory_limit_of(options.memory_limit), false}).field;
@@ -134,9 +134,8 @@ DistanceField FieldSlices::read(std::int64_t first, std::int64_t count, const Fi
 }
 
 SliceReader FieldSlices::reader(const FieldReadOptions& options) const {
-  return [slices = *this, options](std::int64_t first, std::int64_t count) {
-    return slices.read(first, count, options);
-  };
+  return
+      [slices = *this, options](std::int64_t first, std::int64_t count) { return slices.read(first, count, options); };
 }
 
 std::unique_ptr<FieldSlabs> FieldSlices::slabs(const FieldReadOptions& options, std::int64_t slab_samples) const try {

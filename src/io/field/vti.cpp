@@ -300,10 +300,8 @@ class VtiReader {
     return {.big_endian = big_endian_,
             .open = [file = &file_, blocks] { return std::make_unique<VtkBlockStream>(*file, *blocks); },
             .packed = true,
-            .open_at =
-                [file = &file_, blocks](std::uint64_t first) {
-                  return std::make_unique<VtkBlockStream>(*file, *blocks, first);
-                }};
+            .open_at = [file = &file_, blocks](
+                           std::uint64_t first) { return std::make_unique<VtkBlockStream>(*file, *blocks, first); }};
   }
 
   StoredArray samples(const XmlTag& tag, const char* type) const {

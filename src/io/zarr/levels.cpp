@@ -102,8 +102,7 @@ void write_level(const StoreMetadata& store, int number, const Window& part, boo
     const Size3 size = minus(least(plus(first, level.distance.shard), level.grid.size), first);
     const Size3 from = times(first, {2, 2, 2}), of = least(times(size, {2, 2, 2}), minus(fine.grid.size, from));
     ProgressMeter hidden(quiet);
-    const DistanceField thinned =
-        every_second(read_window(fine, from, of, 0, hidden), level.grid.window(first, size));
+    const DistanceField thinned = every_second(read_window(fine, from, of, 0, hidden), level.grid.window(first, size));
     write_window(level, first, thinned, sync, threads, hidden);
     meter.advance();
   }

@@ -19,112 +19,17 @@
 
 #include "core/number_text.h"
 #include "files/json_view.h"
-#include "io/zarr/blosc.h"
-#include "io/zarr/parts.h"
+#include "io/zarr/metadata_text.h"
 #include "io/zarr/shard.h"
 #include "standoff/error.h"
 
 namespace standoff::zarr {
 namespace {
 
-// Of the attributes that standoff writes.
-constexpr std::uint64_t kFormat = 1;
 constexpr int kDeepest = 32;
-constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-constexpr const char *kInfinity = "Infinity", *kMinusInfinity = "-Infinity", *kNotANumber = "NaN";
 constexpr const char* kCodecsThatWork =
     "standoff reads chunks of transpose [2,1,0] or none, bytes (little endian), blosc or nothing, and crc32c or "
     "nothing, in that order, in shards (sharding_indexed) or alone; write the store so";
-constexpr const char *kOwnAttributes = "standoff", *kSum = "metadata_crc32c";
-
-// Texts of provenance are ASCII; other bytes might be no UTF-8, and then nobody could read the JSON.
-std::string quoted_text(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string json = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 128) {
-      json += '?';
-    } else if (byte < 32) {
-      json.append("\\u00").append(1, kDigits[byte / 16]).append(1, kDigits[byte % 16]);
-    } else {
-      if (c == '"' || c == '\\') json += '\\';
-      json += c;
-    }
-  }
-  return json + '"';
-}
-
-std::string member(const char* name, const std::string& value) { return std::string("\"") + name + "\": " + value; }
-
-// JSON has no infinite numbers: Zarr spells them so, and Python's float() reads that.
-std::string number_json(double value) {
-  return std::isfinite(value) ? exact_text(value) : std::string("\"") + (value < 0 ? kMinusInfinity : kInfinity) + '"';
-}
-std::string list_json(const Vec3& v) {
-  return "[" + exact_text(v.x) + ", " + exact_text(v.y) + ", " + exact_text(v.z) + "]";
-}
-std::string list_json(const Size3& v) {
-  return "[" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
-}
-std::string codec_json(const char* name, const std::string& configuration) {
-  return R"({"name": ")" + std::string(name) + R"(", "configuration": {)" + configuration + "}}";
-}
-
-std::string chunk_codecs(const ArrayLayout& layout) {
-  std::string codecs;
-  if (layout.x_fastest) codecs += codec_json("transpose", R"("order": [2, 1, 0])") + ", ";
-  codecs += codec_json("bytes", R"("endian": "little")");
-  if (layout.blosc)
-    codecs += ", " + codec_json("blosc", R"("cname": "zstd", "clevel": )" + std::to_string(kBloscLevel) +
-                                             R"(, "shuffle": "shuffle", "typesize": )" + std::to_string(kNumberBytes) +
-                                             R"(, "blocksize": 0)");
-  if (layout.checked) codecs += R"(, {"name": "crc32c"})";
-  return "[" + codecs + "]";
-}
-
-std::string codecs_json(const ArrayLayout& layout) {
-  if (!layout.sharded) return chunk_codecs(layout);
-  const std::string index = "[" + codec_json("bytes", R"("endian": "little")") + R"(, {"name": "crc32c"}])";
-  return "[" +
-         codec_json("sharding_indexed", member("chunk_shape", list_json(layout.chunk)) + ", " +
-                                            member("codecs", chunk_codecs(layout)) + ", " +
-                                            member("index_codecs", index) + ", " +
-                                            member("index_location", layout.index_first ? R"("start")" : R"("end")")) +
-         "]";
-}
-
-// The text of an array's zarr.json. `attributes`: JSON.
-std::string array_text(const ArrayLayout& layout, const std::string& attributes) {
-  const std::string fill = layout.whole_numbers ? std::to_string(layout.fill)
-                                                : number_json(static_cast<double>(std::bit_cast<float>(layout.fill)));
-  const std::vector<std::string> members{
-      member("zarr_format", "3"),
-      member("node_type", "\"array\""),
-      member("shape", list_json(layout.shape)),
-      member("data_type", layout.whole_numbers ? "\"uint32\"" : "\"float32\""),
-      member("dimension_names", R"(["x", "y", "z"])"),
-      member("chunk_grid", codec_json("regular", member("chunk_shape", list_json(layout.shard)))),
-      member("chunk_key_encoding",
-             codec_json("default", member("separator", quoted_text(std::string_view(&layout.separator, 1))))),
-      member("fill_value", fill),
-      member("codecs", codecs_json(layout)),
-      member("attributes", "{" + attributes + "}")};
-  std::string text;
-  for (const std::string& one : members) text += (text.empty() ? "{\n  " : ",\n  ") + one;
-  return text + "\n}\n";
-}
-
-// The members of our attributes, but for the checksum.
-std::string own_members(const StoreMetadata& store, bool nearest) {
-  const Provenance& from = store.provenance;
-  return member("format", std::to_string(kFormat)) + ", " + member("origin", list_json(store.grid.origin)) + ", " +
-         member("spacing", list_json(store.grid.spacing)) + ", " + member("thickness", number_json(store.thickness)) +
-         ", " + member("nearest", nearest ? "true" : "false") + ", " + member("method", quoted_text(from.method)) +
-         ", " + member("sign", quoted_text(from.sign)) + ", " +
-         member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
-         member("version", quoted_text(from.version));
-}
 
 // What a member is called, or what a codec is: its name alone, or an object with the name and its configuration.
 struct Named {
@@ -377,12 +282,6 @@ Group read_group(const JsonView& json) {
   return group;
 }
 
-// What the checksum of an array's metadata is of: all that its samples depend on, however it is written down.
-std::uint32_t sum_of(const ArrayLayout& layout, const std::string& members) {
-  const std::string text = array_text(layout, members);
-  return crc32c(std::as_bytes(std::span(text)));
-}
-
 void check_sum(const JsonView& own, const ArrayLayout& layout, const std::string& members) {
   const auto sum = own.find(kSum);
   if (sum && sum->whole() != sum_of(layout, members))
@@ -494,50 +393,6 @@ std::filesystem::path ArrayLayout::file_name(const Size3& n) const {
   return "c" + s + x + s + y + s + z;
 }
 
-StoreMetadata level_of(const StoreMetadata& store, int number) {
-  StoreMetadata level = store;
-  const std::int64_t step = std::int64_t{1} << number;
-  level.grid.size = parts_of(store.grid.size, {step, step, step});
-  level.grid.spacing = store.grid.spacing * static_cast<double>(step);
-  level.distance.shape = level.grid.size;
-  level.distance.folder = store.distance.folder.parent_path() / std::to_string(number);
-  if (number > 0) level.nearest.reset();
-  return level;
-}
-
-namespace {
-
-std::string text_with_sum(const ArrayLayout& layout, const std::string& members) {
-  const std::string sum = member(kSum, std::to_string(sum_of(layout, members)));
-  return array_text(layout, member(kOwnAttributes, "{" + members + (members.empty() ? "" : ", ") + sum + "}"));
-}
-
-}  // namespace
-
-std::string distance_text(const StoreMetadata& store) {
-  return text_with_sum(store.distance, own_members(store, store.nearest.has_value()));
-}
-std::string nearest_text(const StoreMetadata& store) { return text_with_sum(*store.nearest, ""); }
-
-std::string group_text(const StoreMetadata& store) {
-  std::string axes, sets;
-  for (const char* axis : kAxes) {
-    if (!axes.empty()) axes += ", ";
-    axes.append("{").append(member("name", quoted_text(axis))).append(R"(, "type": "space"})");
-  }
-  for (int number = 0; number < store.levels; ++number) {
-    const Grid grid = level_of(store, number).grid;
-    sets += (number > 0 ? ", " : "") + std::string("{") + member("path", quoted_text(std::to_string(number))) +
-            R"(, "coordinateTransformations": [{"type": "scale", "scale": )" + list_json(grid.spacing) +
-            R"(}, {"type": "translation", "translation": )" + list_json(grid.origin) + "}]}";
-  }
-  return std::string("{\n  \"zarr_format\": 3,\n  \"node_type\": \"group\",\n  \"attributes\": {") +
-         member(kOwnAttributes, "{" + member("format", std::to_string(kFormat)) + "}") +
-         ",\n    \"ome\": {\"version\": \"0.5\", \"multiscales\": [{\"name\": \"distance\", " +
-         (store.levels > 1 ? R"("type": "decimation", )" : "") + "\"axes\": [" + axes + "], \"datasets\": [" + sets +
-         "]}]}}\n}\n";
-}
-
 ArrayLayout read_array(const FileView& file) {
   const JsonView json = json_of(file);
   expect_version(json, "array");
@@ -577,8 +432,7 @@ Descriptor open_stored(const std::filesystem::path& path, const char* what) {
   }
   if (file.number() < 0 && errno == ENOTDIR) shown.fail("a file is where its folder should be; write the store again");
   if (file.number() < 0 || ::fstat(file.number(), &about) != 0) shown.fail(cannot_read(errno));
-  if (!S_ISREG(about.st_mode))
-    shown.fail(std::string("it is no regular file, as ") + what + "; write the store again");
+  if (!S_ISREG(about.st_mode)) shown.fail(std::string("it is no regular file, as ") + what + "; write the store again");
   return file;
 }
 
@@ -656,8 +510,7 @@ bool has_own_levels_alone(const std::filesystem::path& folder) {
   std::filesystem::directory_iterator at(folder, error);
   for (; !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
     const std::string name = at->path().filename().string();
-    if (name.find_first_not_of("0123456789") == std::string::npos && !is_own_array(at->path()))
-      return false;
+    if (name.find_first_not_of("0123456789") == std::string::npos && !is_own_array(at->path())) return false;
   }
   return !error;
 }
@@ -673,8 +526,8 @@ bool holds_a_store_alone(const std::filesystem::path& folder) {
 }  // namespace
 
 bool is_own_store(const std::filesystem::path& path) try {
-  return is_own_array(path / kDistanceName) && std::filesystem::exists(path / kMetadataName) && holds_a_store_alone(path) &&
-         has_own_levels_alone(path);
+  return is_own_array(path / kDistanceName) && std::filesystem::exists(path / kMetadataName) &&
+         holds_a_store_alone(path) && has_own_levels_alone(path);
 } catch (const Error& error) {
   if (error.code() != ErrorCode::input) throw;  // such as memory that runs out
   return false;

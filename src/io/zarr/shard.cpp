@@ -27,8 +27,7 @@ constexpr CrcTables make_crc_tables() {
     tables[0][n] = crc;
   }
   for (std::size_t t = 1; t < tables.size(); ++t)
-    for (std::size_t n = 0; n < 256; ++n)
-      tables[t][n] = tables[t - 1][n] >> 8 ^ tables[0][tables[t - 1][n] & 0xff];
+    for (std::size_t n = 0; n < 256; ++n) tables[t][n] = tables[t - 1][n] >> 8 ^ tables[0][tables[t - 1][n] & 0xff];
   return tables;
 }
 constexpr CrcTables kCrc = make_crc_tables();
@@ -43,8 +42,8 @@ std::uint32_t crc32c(std::span<const std::byte> bytes) {
     std::array<std::uint32_t, 2> words;
     std::memcpy(words.data(), bytes.data(), sizeof words);
     const std::uint32_t a = words[0] ^ crc, b = words[1];
-    crc = kCrc[7][a & 0xff] ^ kCrc[6][a >> 8 & 0xff] ^ kCrc[5][a >> 16 & 0xff] ^ kCrc[4][a >> 24] ^
-          kCrc[3][b & 0xff] ^ kCrc[2][b >> 8 & 0xff] ^ kCrc[1][b >> 16 & 0xff] ^ kCrc[0][b >> 24];
+    crc = kCrc[7][a & 0xff] ^ kCrc[6][a >> 8 & 0xff] ^ kCrc[5][a >> 16 & 0xff] ^ kCrc[4][a >> 24] ^ kCrc[3][b & 0xff] ^
+          kCrc[2][b >> 8 & 0xff] ^ kCrc[1][b >> 16 & 0xff] ^ kCrc[0][b >> 24];
   }
   for (const std::byte byte : bytes) crc = crc >> 8 ^ kCrc[0][(crc ^ static_cast<std::uint32_t>(byte)) & 0xff];
   return ~crc;

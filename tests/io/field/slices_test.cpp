@@ -53,7 +53,8 @@ TEST(FieldSlices, AreThoseOfTheField) {
       EXPECT_EQ(read_bytes(folder / "again.vti") == read_bytes(folder / "packed.vti"), name[0] == 'p') << samples;
     }
     EXPECT_EQ(slices.reader()(5, 2).grid().size.z, 2);
-    for (const auto& [first, count] : std::vector<std::pair<std::int64_t, std::int64_t>>{{-1, 1}, {0, 0}, {70, 1}, {60, 11}})
+    for (const auto& [first, count] :
+         std::vector<std::pair<std::int64_t, std::int64_t>>{{-1, 1}, {0, 0}, {70, 1}, {60, 11}})
       expect_error([&] { slices.read(first, count); }, ErrorCode::usage, "ask for a part of it");
     expect_error([&] { slices.slabs({}, 0); }, ErrorCode::usage, "slabs without samples");
   }

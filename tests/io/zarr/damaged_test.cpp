@@ -137,8 +137,10 @@ TEST_F(DamagedZarr, Arrays) {
            {"[8, 16, 8]", "[8, 16, 6]", "a shard is no multiple of its chunks"},
            {"[8, 16, 8]", "[1000000000000, 16, 8]", "a shard is no multiple of its chunks"},
            {"\"index_location\": \"end\"", "\"index_location\": \"middle\"", "an index is at \"start\" or \"end\""},
-           {"{\"name\": \"crc32c\"}], \"index_location", "{\"name\": \"gzip\"}], \"index_location", "the index of a shard is read of bytes"},
-           {", {\"name\": \"crc32c\"}], \"index_location", "], \"index_location", "the index of a shard is read of bytes"},
+           {"{\"name\": \"crc32c\"}], \"index_location", "{\"name\": \"gzip\"}], \"index_location",
+            "the index of a shard is read of bytes"},
+           {", {\"name\": \"crc32c\"}], \"index_location", "], \"index_location",
+            "the index of a shard is read of bytes"},
            {"\"format\": 1", "\"format\": 2", "the store is of format 2, and format 1 is read; get a newer standoff"},
            {"\"origin\"", "\"orgin\"", "it lacks \"origin\""},
            {"\"spacing\": [0.5", "\"spacing\": [-0.5",
@@ -300,9 +302,12 @@ TEST_F(DamagedZarr, NoBitIsFlippedUnseen) {
 
 TEST_F(DamagedZarr, ChangedMetadata) {
   write_bytes(array, with_sum);
-  expect_change_refused(array, "\"shape\": [16, 9, 16]", "\"shape\": [16, 8, 16]", "it is not the checksum of this metadata");
-  expect_change_refused(array, "\"separator\": \"/\"", "\"separator\": \".\"", "it is not the checksum of this metadata");
-  expect_change_refused(array, "\"fill_value\": 9000", "\"fill_value\": 900", "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"shape\": [16, 9, 16]", "\"shape\": [16, 8, 16]",
+                        "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"separator\": \"/\"", "\"separator\": \".\"",
+                        "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"fill_value\": 9000", "\"fill_value\": 900",
+                        "it is not the checksum of this metadata");
   expect_change_refused(array, "\"attributes\": {\"standoff\"", "\"attributes\": {\"standofg\"",
                         "its attributes lack \"standoff\"");
   const std::string good = read_bytes(group);
