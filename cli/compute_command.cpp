@@ -304,6 +304,7 @@ struct ComputeCommand {
   Console console;
   std::optional<WindowText> window;
   bool dry_run = false, uncompressed = false;
+  int levels = 1;  // of a store
   Beside beside;
   CacheOption cache;
   std::optional<FieldCache> kept;  ///< of the cache, if it is given
@@ -331,6 +332,7 @@ void ComputeCommand::add_to(CLI::App& verb) {
           "print grid, memory and file size; compute and write nothing.\nExit code 5 where the memory would not do")
       ->group("Output");
   add_uncompressed(verb, uncompressed);
+  add_levels(verb, levels);
   cache.add_to(verb, "Output");
   field.add_grid_to(verb);
   add_parsed(
@@ -373,6 +375,7 @@ void ComputeCommand::run() {
   }
   beside.check(output);
   beside.prepare(options);
+  output.check_levels(levels);
   if (cache.given() && output.format(field_formats()).folder)
     throw Error(ErrorCode::usage, "--cache keeps files, and " + output.path().string() +
                                       " is a folder; write a file, or leave the cache out");
@@ -411,7 +414,8 @@ void ComputeCommand::run() {
 }
 
 FieldWriteOptions ComputeCommand::write_options() const {
-  return {.existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads};
+  return {
+      .existing = output.existing(), .compress = !uncompressed, .threads = options.execution.threads, .levels = levels};
 }
 
 Outcome ComputeCommand::write_or_fetch(const Plan& plan) {

@@ -25,9 +25,13 @@ struct ConvertCommand {
   FileOutput output;
   Console console;
   bool uncompressed = false;
+  int levels = 1;  // of a store
 
   void report(const char* kind, const char* key, const Json& what) const;
   void run();
+
+ private:
+  void write_slices(const FieldSlices& slices, const FieldWriteOptions& options) const;
 };
 
 void ConvertCommand::report(const char* kind, const char* key, const Json& what) const {
@@ -37,6 +41,14 @@ void ConvertCommand::report(const char* kind, const char* key, const Json& what)
   json[key] = what;
   json["output"] = json_output(output.path());
   print(json, output.path());
+}
+
+// Slab by slab where that is possible, else as a whole.
+void ConvertCommand::write_slices(const FieldSlices& slices, const FieldWriteOptions& options) const {
+  const FieldReadOptions reading = field_argument.reading();
+  if (output.format(field_formats()).slabs && !slices.has_nearest() && slices.sidecars().empty())
+    return write_field(output.path(), *slices.slabs(reading, field_argument.slice_samples()), options);
+  write_field(output.path(), slices.read(0, slices.grid().size.z, reading), options);
 }
 
 void ConvertCommand::run() {
@@ -55,13 +67,15 @@ void ConvertCommand::run() {
                 output.path().string() + ": convert does not make a body of a mesh; use standoff build");
   check_input(input.name());
   output.check(is_field ? field_formats() : mesh_formats());
+  output.check_levels(levels);
   const std::string writing = "writing " + output.path().string();
   if (is_field) {
-    const FieldFile read = field_argument.read_file(input.name(), console);
-    const Grid& grid = read.field.grid();
+    const auto [slices, read] = field_argument.read_parts(input.name(), console);
+    const Grid& grid = slices ? slices->grid() : read.field.grid();
     const FieldWriteOptions options{
-        .existing = output.existing(), .compress = !uncompressed, .sidecars = read.sidecars};
-    with_spinner(console, writing, [&] { write_field(output.path(), read.field, options); });
+        .existing = output.existing(), .compress = !uncompressed, .sidecars = read.sidecars, .levels = levels};
+    with_spinner(console, writing,
+                 [&] { slices ? write_slices(*slices, options) : write_field(output.path(), read.field, options); });
     console.say(output.path().string() + ": " + size_text(grid.size) + " samples");
     return report("field", "grid", json_grid(grid));
   }
@@ -88,6 +102,7 @@ void add_convert(CLI::App& program) {
   verb->get_option("--output")->required();
   command->field_argument.add_to(*verb);
   add_uncompressed(*verb, command->uncompressed);
+  add_levels(*verb, command->levels);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }

@@ -45,12 +45,16 @@ bool is_folder_format(const fs::path& path) {
 }  // namespace
 
 FileKind kind_of(const fs::path& path) {
+  if (is_store(path)) return FileKind::field;
   if (extension_of(path) == "body") return FileKind::body;
   if (extension_of(path) == "query") return FileKind::query;
   return knows(field_formats(), extension_of(path), false) ? FileKind::field : FileKind::mesh;
 }
 
-bool is_store(const fs::path& path) { return is_folder_format(path); }
+bool is_store(const fs::path& path) {
+  std::error_code ignored;
+  return is_folder_format(path) || fs::exists(path / "zarr.json", ignored);
+}
 
 void check_input(const std::string& name) {
   if (name == "-")
@@ -64,7 +68,7 @@ void check_input(const std::string& name) {
   }
   std::error_code ignored;
   const auto status = fs::status(name, ignored);
-  if (fs::is_directory(status) && is_folder_format(name)) return;
+  if (fs::is_directory(status) && is_store(name)) return;
   if (fs::is_fifo(status) || (fs::is_regular_file(status) && ::access(name.c_str(), R_OK) == 0)) return;
   read_text(name);  // says why it cannot be read
 }
@@ -135,6 +139,8 @@ void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::stri
              [this](const std::string& option, const std::string& text) {
                if (text.empty()) throw Error(ErrorCode::usage, option + " '': give the name of a file");
                path_ = text;
+               // A new folder, named with a slash at its end.
+               if (!path_.has_filename() && is_folder_format(path_)) path_ = path_.parent_path();
              });
   verb.add_flag("-f,--force", force_, "overwrite the output when it exists")->group("Output");
 }
@@ -203,6 +209,11 @@ FileFormat FileOutput::format(const std::vector<FileFormat>& formats) const {
   return found == formats.end() ? FileFormat{} : *found;
 }
 
+void FileOutput::check_levels(int levels) const {
+  if (levels > 1 && !is_folder_format(path_))
+    throw Error(ErrorCode::usage, "--levels: " + path_.string() + " is no store; write .zarr, or leave it out");
+}
+
 void FileOutput::check_carries(const std::vector<FileFormat>& formats, bool FileFormat::*can, const char* what,
                                const char* leave_out) const {
   if (format(formats).*can) return;
@@ -231,28 +242,75 @@ void FieldArgument::add_to(CLI::App& verb, const std::string& what) {
   const std::string help = "most memory for " + what + ", as in 500M or 8G,\nor none (default: 80 % of the machine's)";
   add_parsed(verb, {"--memory-limit", "SIZE", help.c_str(), "Input"},
              [this](const std::string& o, const std::string& t) { memory_limit_ = parse_bytes(o, t); });
+  add_parsed(verb,
+             {"--level", "N", "of a .zarr store: level N, which has every 2^N-th sample\n(default 0: all)", "Input"},
+             [this](S o, S t) { level_ = static_cast<int>(parse_count(o, t, 0, 31)); });
 }
 
 FieldReadOptions FieldArgument::options_for(const std::string& name) const {
   if (kind_of(name) != FileKind::field)
     throw Error(ErrorCode::input, name + ": this is no field, as " + extensions(field_formats(), false) +
                                       " are; compute the field of a mesh with standoff compute");
+  if (level_ > 0 && !is_store(name))
+    throw Error(ErrorCode::usage, "--level: " + name + " is no .zarr store, and has no levels; leave it out");
   return {.memory_limit = memory_limit_};
 }
 
 DistanceField FieldArgument::read(const std::string& name, const Console& console) const {
   const FieldReadOptions options = options_for(name);
-  return with_spinner(console, "reading " + name, [&] { return read_field(name, options); });
+  return with_spinner(console, "reading " + name,
+                      [&] { return level_ > 0 ? open_store(name).read(options) : read_field(name, options); });
+}
+
+ZarrStore FieldArgument::open_store(const std::string& name) const {
+  const ZarrStore store = ZarrStore::open(name);
+  return level_ > 0 ? store.level(level_) : store;
+}
+
+FieldSlices FieldArgument::open_slices(const std::string& name) const {
+  options_for(name);  // refuses options that it has no use for
+  return is_store(name) ? FieldSlices(open_store(name)) : FieldSlices::open(name);
+}
+
+FieldArgument::Parts FieldArgument::read_parts(const std::string& name, const Console& console) const {
+  if (is_store(name)) return {open_slices(name), {}};
+  try {
+    return {std::nullopt, read_file(name, console)};
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::limit || !FieldSlices::can_open(name)) throw;
+    console.detail(std::string(error.what()) + ": slices of it are read at a time");
+    return {open_slices(name), {}};
+  }
+}
+
+DistanceField FieldArgument::read_fitting(const std::string& name, const Console& console) const {
+  if (!is_store(name)) return read(name, console);
+  const FieldReadOptions options = options_for(name);
+  const ZarrStore store = ZarrStore::open(name);
+  return with_spinner(console, "reading " + name, [&] {
+    for (int level = level_;; ++level) try {
+        DistanceField field = store.level(level).read(options);
+        if (level > level_)
+          console.say(name + ": level " + std::to_string(level) + ", " + size_text(field.grid().size) +
+                      " samples; finer ones need more than the memory limit");
+        return field;
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::limit || level + 1 >= store.levels()) throw;
+      }
+  });
 }
 
 FieldFile FieldArgument::read_file(const std::string& name, const Console& console) const {
   const FieldReadOptions options = options_for(name);
-  return with_spinner(console, "reading " + name, [&] { return read_field_file(name, options); });
+  return with_spinner(console, "reading " + name, [&] {
+    return level_ > 0 ? FieldFile{open_store(name).read(options), {}} : read_field_file(name, options);
+  });
 }
 
 void FieldArgument::check_unused(const std::string& name) const {
-  if (memory_limit_ != 0)
-    throw Error(ErrorCode::usage, "--memory-limit: it is for fields, and " + name + " is none; leave it out");
+  const char* const given = memory_limit_ != 0 ? "--memory-limit" : level_ > 0 ? "--level" : nullptr;
+  if (given)
+    throw Error(ErrorCode::usage, std::string(given) + ": it is for fields, and " + name + " is none; leave it out");
 }
 
 Body read_body(const std::string& name, const Console& console) {

@@ -2,6 +2,7 @@
 // Files that verbs read and write: meshes, fields, bodies, outputs.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -12,8 +13,10 @@
 #include "cli/console.h"
 #include "standoff/collision.h"
 #include "standoff/field.h"
+#include "standoff/field_slices.h"
 #include "standoff/io.h"
 #include "standoff/mesh.h"
+#include "standoff/zarr.h"
 
 namespace standoff::cli {
 
@@ -22,7 +25,7 @@ enum class FileKind { mesh, field, body, query };
 /// Decides by the extension. A name without a known one is a mesh's, because meshes are recognised by content.
 FileKind kind_of(const std::filesystem::path& path);
 
-/// Whether the name is that of a Zarr store, which is read part by part (standoff/zarr.h).
+/// Whether the name is that of a Zarr store, or of an array in one, which is read part by part (standoff/zarr.h).
 bool is_store(const std::filesystem::path& path);
 
 /// Checks an input's name before anything is read or written: a scene must exist; a file must exist, be no folder (but
@@ -94,6 +97,8 @@ class FileOutput {
   Existing existing() const { return force_ ? Existing::replace : Existing::keep; }
   /// The row of the file's format; an empty one if it has none.
   FileFormat format(const std::vector<FileFormat>& formats) const;
+  /// Throws Error{usage} where more than one level is given, and the file is no store.
+  void check_levels(int levels) const;
   /// Throws Error{usage} "FILE: .EXTENSION WHAT; write .., or leave out LEAVE_OUT" unless the file's format can.
   void check_carries(const std::vector<FileFormat>& formats, bool FileFormat::*can, const char* what,
                      const char* leave_out) const;
@@ -114,21 +119,41 @@ std::string extensions(const std::vector<FileFormat>& formats, bool writable);
 
 class FieldArgument {
  public:
-  /// Adds --memory-limit, for `what`.
+  /// Adds --memory-limit, for `what`, and --level.
   void add_to(CLI::App& verb, const std::string& what = "the field that is read");
   /// Returns the given limit; 0 if there is none, which stands for the default.
   std::int64_t memory_limit() const { return memory_limit_; }
   /// Reads the field, and shows on a terminal what is waited for. Errors: input; limit, before any memory is taken.
   DistanceField read(const std::string& name, const Console& console) const;
+  /// A store, or a file that memory cannot hold as a whole, as slices that are read at a time; any other as a whole.
+  struct Parts {
+    std::optional<FieldSlices> slices;
+    FieldFile whole;  ///< without slices
+  };
+  Parts read_parts(const std::string& name, const Console& console) const;
+  /// The slices of a store, or of a file of which they can be read.
+  FieldSlices open_slices(const std::string& name) const;
+  /// How slices are read, and how many samples at a time, so that those of a dense field are within the limit.
+  FieldReadOptions reading() const { return {.memory_limit = memory_limit_}; }
+  std::int64_t slice_samples() const {
+    constexpr std::int64_t kBytes = 8;  // of a sample, with what is made of it
+    return memory_limit_ > 0 ? std::clamp<std::int64_t>(memory_limit_ / kBytes, 1, kSlabSamples) : kSlabSamples;
+  }
   /// Reads the field with its sidecars.
   FieldFile read_file(const std::string& name, const Console& console) const;
-  /// Throws Error{usage} where the option was given: `name` is no field.
+  /// The store of the name, or the level of it that was asked for.
+  ZarrStore open_store(const std::string& name) const;
+  /// Reads what is to be looked at: of a store, the first level from the given one on that the memory limit allows.
+  /// Says so where it is another one.
+  DistanceField read_fitting(const std::string& name, const Console& console) const;
+  /// Throws Error{usage} where an option was given: `name` is no field.
   void check_unused(const std::string& name) const;
 
  private:
   FieldReadOptions options_for(const std::string& name) const;
 
   std::int64_t memory_limit_ = 0;
+  int level_ = 0;  // of a store
 };
 
 /// Makes a body of a mesh, or reads one that standoff build made (NAME.body), and shows on a terminal what is waited

@@ -230,18 +230,41 @@ std::string provenance_rows(const Provenance& from, const char* without_sign) {
          row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash));
 }
 
+std::vector<Grid> levels_of(const ZarrStore& store) {
+  std::vector<Grid> grids;
+  for (int level = 0; level < store.levels(); ++level) grids.push_back(store.level(level).grid());
+  return grids;
+}
+
+// "3: 64 x 64 x 64, 32 x 32 x 32, 16 x 16 x 16".
+std::string levels_text(const ZarrStore& store) {
+  std::string text = std::to_string(store.levels());
+  const char* before = ": ";
+  for (const Grid& level : levels_of(store)) {
+    text += before + size_text(level.size);
+    before = ", ";
+  }
+  return text;
+}
+
 // Of a store the metadata alone, which is read at once however large it is.
-void tell_store(const std::string& name, const Console& console) {
-  const ZarrStore store = ZarrStore::open(name);
+void tell_store(const std::string& name, const FieldArgument& input, const Console& console) {
+  const ZarrStore store = input.open_store(name);
   const Size3 shard = store.shard(), chunk = store.chunk();
   if (console.json()) {
     Json json = json_field(name, store.has_nearest(), store.provenance(), store.grid(), store.thickness());
-    json["store"] = {{"shard", json_size(shard)}, {"chunk", json_size(chunk)}, {"bytes", written_bytes(name)}};
+    json["store"] = {{"shard", json_size(shard)},
+                     {"chunk", json_size(chunk)},
+                     {"bytes", written_bytes(name)},
+                     {"levels", Json::array()}};
+    for (const Grid& level : levels_of(store))
+      json["store"]["levels"].push_back({{"size", json_size(level.size)}, {"spacing", json_point(level.spacing)}});
     return print(json);
   }
   print(grid_rows(name, store.grid(), store.thickness()) +
         row("store", "Zarr 3, " + bytes_text(written_bytes(name)) + "; shards of " + size_text(shard) + ", chunks of " +
                          size_text(chunk)) +
+        (store.levels() > 1 ? row("levels", levels_text(store)) : "") +
         row("nearest", store.has_nearest() ? "triangles stored" : "not stored") +
         provenance_rows(store.provenance(), "none, or method unknown"));
 }
@@ -307,7 +330,7 @@ struct InfoCommand {
     const bool is_mesh = kind_of(input.name()) != FileKind::field && kind_of(input.name()) != FileKind::body;
     if (!is_mesh && options.spacing > 0)
       throw Error(ErrorCode::usage, "--spacing: " + input.name() + " is no mesh; leave it out");
-    if (is_store(input.name())) return tell_store(input.name(), console);
+    if (is_store(input.name())) return tell_store(input.name(), field, console);
     if (kind_of(input.name()) == FileKind::field) return tell_field(input.name(), field, console);
     field.check_unused(input.name());
     if (kind_of(input.name()) == FileKind::body) return tell_body(input.name(), console);

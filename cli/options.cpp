@@ -44,6 +44,15 @@ void add_uncompressed(CLI::App& verb, bool& uncompressed) {
       ->group("Output");
 }
 
+void add_levels(CLI::App& verb, int& levels) {
+  add_parsed(verb,
+             {"--levels", "N",
+              "give a .zarr store so many levels, each of every second sample\nof the one before (default 1: the field "
+              "alone)",
+              "Output"},
+             [&levels](S o, S t) { levels = static_cast<int>(parse_count(o, t, 1, 32)); });
+}
+
 namespace {
 
 // TBB never starts more than this, and warns on stderr when it is asked to.

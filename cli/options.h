@@ -48,6 +48,8 @@ CLI::Option* add_device(CLI::App& verb, const char* group, Backend& backend, int
 CLI::Option* add_devices(CLI::App& verb, const char* group, Backend& backend, std::vector<int>& devices);
 /// Adds --uncompressed, for fields that are written.
 void add_uncompressed(CLI::App& verb, bool& uncompressed);
+/// Adds --levels, for Zarr stores that are written.
+void add_levels(CLI::App& verb, int& levels);
 /// Adds -j.
 CLI::Option* add_threads(CLI::App& verb, const char* group, int& threads);
 

@@ -12,6 +12,7 @@
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/error.h"
+#include "standoff/field_slices.h"
 #include "standoff/zarr.h"
 
 namespace standoff::cli {
@@ -84,21 +85,23 @@ void SliceCommand::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson);
 }
 
-// Reads what the picture needs, sets its plane, and says which it is. Of a store, where the options name the plane,
-// that is the plane alone.
+// Reads what the picture needs, sets its plane, and says which it is. Where the options name the plane, that is the
+// plane alone: of a store, and of files of which slices can be read.
 DistanceField SliceCommand::read(SlicePlane& plane) {
   const auto draw = [&](std::int64_t index) {
     options.axis = plane.axis;
     options.index = index;
   };
-  if (!is_store(field) || !options.axis || !(options.at || options.index)) {
+  const bool sliced = is_store(field) || (options.axis == Axis::z && FieldSlices::can_open(field));
+  if (!sliced || !options.axis || !(options.at || options.index)) {
     DistanceField whole = input.read(field, console);
     plane = slice_plane(whole, options);
     draw(plane.index);
     return whole;
   }
-  const ZarrStore store = ZarrStore::open(field);
-  const Grid& grid = store.grid();
+  const std::optional<ZarrStore> store = is_store(field) ? std::optional(input.open_store(field)) : std::nullopt;
+  const FieldSlices slices = store ? FieldSlices(*store) : input.open_slices(field);
+  const Grid& grid = slices.grid();
   const auto axis = static_cast<std::size_t>(*options.axis);
   Grid line = grid;  // has the planes that the options may name, and hardly a sample beside
   line.size = {1, 1, 1};
@@ -109,8 +112,9 @@ DistanceField SliceCommand::read(SlicePlane& plane) {
   size[axis] = 1;
   draw(0);
   options.part = {plane.index, grid.size[axis]};
-  return with_spinner(console, "reading " + field,
-                      [&] { return store.read(first, size, {.memory_limit = input.memory_limit()}); });
+  return with_spinner(console, "reading " + field, [&] {
+    return store ? store->read(first, size, input.reading()) : slices.read(plane.index, 1, input.reading());
+  });
 }
 
 void SliceCommand::run() {

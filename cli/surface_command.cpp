@@ -16,7 +16,6 @@
 #include "standoff/error.h"
 #include "standoff/io.h"
 #include "standoff/surface.h"
-#include "standoff/zarr.h"
 
 namespace standoff::cli {
 namespace {
@@ -101,7 +100,7 @@ struct SurfaceCommand {
 
  private:
   SurfaceResult of_field();
-  SurfaceResult of_store();
+  SurfaceResult of_slices(const FieldSlices& slices);
   SurfaceResult of_mesh();
   void expect_surface(const SurfaceResult& found, const std::string& what_to_do) const;
   void set_levels(double spacing);
@@ -163,8 +162,9 @@ SurfaceResult SurfaceCommand::of_field() {
   if (input.scaled() || sign_given || grid.given())
     throw Error(ErrorCode::usage, input.name() + " is a field: options of the mesh, its grid and its sign belong to " +
                                       "standoff compute; leave them out");
-  if (std::filesystem::is_directory(input.name())) return of_store();
-  const DistanceField field = field_argument.read(input.name(), console);
+  const auto [slices, file] = field_argument.read_parts(input.name(), console);
+  if (slices) return of_slices(*slices);
+  const DistanceField& field = file.field;
   subject = {"field", field.grid()};
   set_levels(field.grid().max_spacing());
   const Cancellable cancellable;
@@ -173,19 +173,16 @@ SurfaceResult SurfaceCommand::of_field() {
 }
 
 // Reads no more than some slices at a time, if it can.
-SurfaceResult SurfaceCommand::of_store() {
-  const ZarrStore store = ZarrStore::open(input.name());
-  subject = {"field", store.grid()};
-  set_levels(store.grid().max_spacing());
+SurfaceResult SurfaceCommand::of_slices(const FieldSlices& slices) {
+  const Grid& g = slices.grid();
+  subject = {"field", g};
+  set_levels(g.max_spacing());
   const Cancellable cancellable;
   options.progress = console.progress();
-  const FieldReadOptions reading{.memory_limit = options.memory_limit};
-  if (options.wall > 0 || options.method == SurfaceMethod::dual) return surface(store.read(reading), options);
-  const Size3 size = store.grid().size;
-  const auto read = [&](std::int64_t first, std::int64_t count) {
-    return store.read({0, 0, first}, {size.x, size.y, count}, reading);
-  };
-  return surface(store.grid(), store.thickness(), read, options);
+  const FieldReadOptions reading = field_argument.reading();
+  if (options.wall > 0 || options.method == SurfaceMethod::dual)
+    return surface(slices.read(0, g.size.z, reading), options);
+  return surface(g, slices.thickness(), slices.reader(reading), options, field_argument.slice_samples());
 }
 
 SurfaceResult SurfaceCommand::of_mesh() {

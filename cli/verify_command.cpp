@@ -110,17 +110,20 @@ Json VerifyCommand::report(const VerifyResult& found) const {
 void VerifyCommand::run() {
   check_input(field);
   check_input(mesh.name());
-  const FieldFile file = input.read_file(field, console);
-  const DistanceField& loaded = file.field;
-  method = loaded.provenance().method;
+  const auto [slices, file] = input.read_parts(field, console);
+  method = (slices ? slices->provenance() : file.field.provenance()).method;
   const Mesh triangles = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   const VerifyResult found = [&] {
     const Cancellable cancellable;
     options.progress = console.progress();
-    return verify(loaded, triangles, options);
+    return slices ? verify(slices->grid(), slices->thickness(), slices->reader(input.reading()), triangles, options,
+                           input.slice_samples())
+                  : verify(file.field, triangles, options);
   }();
   options.progress = nullptr;
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  if (slices && !slices->sidecars().empty())
+    console.warn(field + ": too large for the memory limit; what is stored beside the distances is not checked");
   if (found.nearest_wrong == 0) sidecars_wrong = count_wrong(file, triangles, {.threads = options.execution.threads});
 
   warn_of(found);

@@ -99,7 +99,7 @@ Subject ViewCommand::read() {
   Subject subject;
   for (const std::string& name : files) {
     if (kind_of(name) == FileKind::field) {
-      subject.fields.push_back(field_argument.read(name, console));
+      subject.fields.push_back(field_argument.read_fitting(name, console));
       subject.field_names.push_back(shown_name(name));
       continue;
     }

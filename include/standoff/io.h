@@ -116,6 +116,8 @@ struct FieldWriteOptions {
   /// Whether to wait until the bytes are on the disk, so that a loss of power does not take the file away. Takes
   /// milliseconds; false, where many files are written and missing ones are made again.
   bool sync = true;
+  /// Zarr stores only: how many levels they have, each of every second sample of the one before (standoff/zarr.h).
+  int levels = 1;
   ProgressCallback progress = {};
 };
 

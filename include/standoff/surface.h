@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
 #include "standoff/sign.h"
+#include "standoff/slice_reader.h"
 
 namespace standoff {
 
@@ -83,9 +83,6 @@ struct SurfaceResult {
 /// Errors: usage (options; a value that is not within the field's thickness), input (a value that is not a number),
 /// limit (memory; more than 2^32 - 2 vertices; coordinates), interrupted.
 STANDOFF_API SurfaceResult surface(const DistanceField& field, const SurfaceOptions& options = {});
-
-/// Reads `count` slices of a field from slice `first` on: the field of that window of its grid.
-using SliceReader = std::function<DistanceField(std::int64_t first, std::int64_t count)>;
 
 /// The same of a field that is read some slices at a time, so that it may be larger than memory: by marching cubes
 /// without a wall, with the same bits. Memory is that of the slices read at a time, which are of about `slice_samples`

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <string>
 
+#include "standoff/compute.h"
 #include "standoff/execution.h"
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
+#include "standoff/slice_reader.h"
 
 namespace standoff {
 
@@ -75,5 +77,11 @@ STANDOFF_API double allowed_error(const Grid& grid, double distance);
 /// If the field has wrong values, the result says so; that is not an error. Errors: input (mesh), usage (options),
 /// interrupted.
 STANDOFF_API VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options = {});
+
+/// The same of a field that is read some slices at a time, twice: first to count its stored tiles. The same samples are
+/// chosen, and the result is the same. Memory is that of the slices read at a time, of about `slice_samples` samples,
+/// and 200 bytes for each sample tested. Errors: as above, what `read` throws, and usage where it returns other slices.
+STANDOFF_API VerifyResult verify(const Grid& grid, double thickness, const SliceReader& read, MeshView mesh,
+                                 const VerifyOptions& options = {}, std::int64_t slice_samples = kSlabSamples);
 
 }  // namespace standoff

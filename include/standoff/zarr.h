@@ -65,6 +65,24 @@ class STANDOFF_API ZarrStore {
   /// a store of a layout that standoff does not write), output, interrupted: shards that were written stay.
   void write(Size3 first, const DistanceField& window, const ZarrWriteOptions& options = {}) const;
 
+  /// How many levels the store lists. Level 0 is the field; each other one has every second sample of the one before,
+  /// along each axis, so that its values are exact distances, too: sample (i,j,k) of level n is sample 2^n (i,j,k) of
+  /// the field. They have no nearest triangles.
+  int levels() const;
+  /// A level that is listed; 0 is this. Errors: usage (no such level), input.
+  ZarrStore level(int number) const;
+  /// Makes levels 1 to `levels` - 1 out of this one, and lists them when all are complete; returns the store with them.
+  /// Memory: a few shards. Errors: usage (this is no level 0; more levels than the grid has), input, output,
+  /// interrupted.
+  ZarrStore write_levels(int levels, const ZarrWriteOptions& options = {}) const;
+
+  /// The same by many processes. First begin_levels(), which makes the arrays; then write_level() for all parts of
+  /// level 1, of level 2 and so on, each of whole shards of that level, as for write(); at last end_levels(), which
+  /// lists them. write() of a store that lists levels ends their list, for they are the old field's. Errors: as above.
+  void begin_levels(int levels) const;
+  void write_level(int number, Size3 first, Size3 size, const ZarrWriteOptions& options = {}) const;
+  void end_levels(int levels) const;
+
   /// The field of a part: `size` samples from sample `first` on; its grid is grid().window(first, size). Reads the
   /// chunks of that part alone. Tiles whose
   /// samples are all clamped are not stored in the field. Memory: the field, and a few chunks for each thread. Errors:

@@ -18,6 +18,12 @@ ZarrStore create(const std::filesystem::path& path, const GridInput& grid, doubl
                            overwrite ? Existing::replace : Existing::keep);
 }
 
+void write_level(const ZarrStore& store, int level, const Counts& first, const Counts& shape, int threads) {
+  run_watched(nb::none(), [&](const ProgressCallback& report) {
+    store.write_level(level, size_of(first), size_of(shape), {.threads = threads, .progress = report});
+  });
+}
+
 void write(const ZarrStore& store, const Counts& first, const DistanceField& window, int threads) {
   run_watched(nb::none(), [&](const ProgressCallback& report) {
     store.write(size_of(first), window, {.threads = threads, .progress = report});
@@ -37,6 +43,10 @@ void add_stores(nb::module_& m) {
   nb::class_<ZarrStore>(m, "Store")
       .def("write", &write, "first"_a, "window"_a, "threads"_a)
       .def("read", &read, "first"_a, "shape"_a, "memory_limit"_a)
+      .def("begin_levels", &ZarrStore::begin_levels, "levels"_a)
+      .def("write_level", &write_level, "level"_a, "first"_a, "shape"_a, "threads"_a)
+      .def("end_levels", &ZarrStore::end_levels, "levels"_a)
+      .def_prop_ro("levels", &ZarrStore::levels)
       .def_prop_ro("path", &ZarrStore::path)
       .def_prop_ro("shape", [](const ZarrStore& s) { return counts_of(s.grid().size); })
       .def_prop_ro("origin", [=](const ZarrStore& s) { return point(s.grid().origin); })
@@ -49,7 +59,12 @@ void add_stores(nb::module_& m) {
   m.def("create_store", &create, "path"_a, "grid"_a, "thickness"_a, "provenance"_a, "shard"_a, "chunk"_a, "nearest"_a,
         "overwrite"_a);
   m.def(
-      "open_store", [](const std::filesystem::path& path) { return ZarrStore::open(path); }, "path"_a);
+      "open_store",
+      [](const std::filesystem::path& path, int level) {
+        const ZarrStore store = ZarrStore::open(path);
+        return level == 0 ? store : store.level(level);
+      },
+      "path"_a, "level"_a);
 }
 
 }  // namespace standoff::python

@@ -14,11 +14,11 @@ import numpy as np
 
 from . import _core
 from ._arrays import Points
-from ._checks import triple
+from ._checks import triple, whole_number
 from ._errors import UsageError
 from ._field import DistanceField
 from ._options import Grid, memory_limit_of
-from ._targets import ARRAY, Target, Triple
+from ._targets import Target, Triple
 
 _BLOCK = 64  # samples along each axis of what is read for points
 _MOST_BLOCKS = 32  # that are kept
@@ -28,9 +28,10 @@ _MOST_SHARDS = 64  # of a store elsewhere that are kept on the disk
 class _Reader:
     """Reads windows of a store; of one that is no folder, from copies of its shards."""
 
-    def __init__(self, target: Target) -> None:
+    def __init__(self, target: Target, level: int) -> None:
         self._target = target
-        self.store = target.open()
+        self._level = level
+        self.store = target.open(level)
         self._copy: Path | None = None
         self._shards: OrderedDict[Triple, Path] = OrderedDict()
         self._fetching = threading.Lock()
@@ -45,9 +46,9 @@ class _Reader:
 
                 self._copy = Path(tempfile.mkdtemp(prefix="standoff-"))
                 weakref.finalize(self, shutil.rmtree, self._copy, True)
-                self._target.copy_metadata(self._copy)
+                self._target.copy_metadata(self._copy, self._level)
             self._fetch(self._copy, first, shape)
-            return _core.open_store(self._copy).read(first, shape, limit)
+            return _core.open_store(self._copy, self._level).read(first, shape, limit)
 
     def _fetch(self, copy: Path, first: Triple, shape: Triple) -> None:
         files, side = self._target.files(), self.store.shard
@@ -55,7 +56,7 @@ class _Reader:
         wanted = [(i, j, k) for i in ranges[0] for j in ranges[1] for k in ranges[2]]
         for shard in wanted:
             name = "/".join(map(str, shard))
-            for array in (ARRAY, "nearest") if self.store.has_nearest else (ARRAY,):
+            for array in (str(self._level), "nearest") if self.store.has_nearest else (str(self._level),):
                 path = copy / array / "c" / name
                 if shard not in self._shards:
                     data = files.get(f"{array}/c/{name}")
@@ -66,16 +67,17 @@ class _Reader:
             self._shards.move_to_end(shard)
         while len(self._shards) > max(_MOST_SHARDS, len(wanted)):
             _, old = self._shards.popitem(last=False)
-            for array in (ARRAY, "nearest"):
+            for array in (str(self._level), "nearest"):
                 (copy / array / "c" / old).unlink(missing_ok=True)
 
 
 class StoredField:
     """A field in a Zarr store (`standoff.open`). It is read where it is asked for, and may be larger than memory."""
 
-    def __init__(self, target: Any) -> None:  # a Target
+    def __init__(self, target: Any, level: int = 0) -> None:  # a Target
         self._target: Target = target
-        self._reader = _Reader(target)
+        self._level = level
+        self._reader = _Reader(target, level)
         store = self._reader.store
         lists: Any = store.shape, store.origin, store.spacing  # Grid makes tuples of them
         self._grid = Grid(*lists)
@@ -130,8 +132,19 @@ class StoredField:
         i, j, k = self._reader.store.chunk
         return i, j, k
 
+    @property
+    def level(self) -> int:
+        """Which level of the store this is: it has every 2**level-th sample along each axis."""
+        return self._level
+
+    @property
+    def levels(self) -> int:
+        """How many levels the store has. 1: the field alone."""
+        return self._reader.store.levels
+
     def __repr__(self) -> str:
-        return f"<StoredField {self.shape}, thickness {self.thickness:g}, {self._target.url}>"
+        level = f", level {self._level} of {self.levels}" if self.levels > 1 else ""
+        return f"<StoredField {self.shape}, thickness {self.thickness:g}{level}, {self._target.url}>"
 
     def window(self, first: Sequence[int], shape: Sequence[int], *, memory_limit: int | None = None) -> DistanceField:
         """Reads a part.
@@ -222,18 +235,20 @@ class StoredField:
         return self.window((0, 0, 0), self.shape, memory_limit=memory_limit)
 
 
-def open_store(url: Any, *, storage_options: dict[str, Any] | None = None) -> StoredField:
+def open_store(url: Any, *, level: int = 0, storage_options: dict[str, Any] | None = None) -> StoredField:
     """Opens a field in a Zarr store, without reading its samples.
 
     Args:
         url: a folder, a URL that fsspec knows (``"s3://bucket/field.zarr"``), or a store of obstore.
+        level: which one, of a store that has several: level n has every 2**n-th sample along each axis.
         storage_options: for fsspec.
 
     Raises:
+        UsageError: the store does not list that level.
         InputError: there is no store, or it is of a kind that is not read: the message says which are.
         ImportError: fsspec, or what it needs for this kind of URL, is not installed.
     """
     target = Target(url, storage_options)
     if not target.exists() and not target.is_folder:
         raise UsageError(f"{target.url}: there is no store; check the name")
-    return StoredField(target)
+    return StoredField(target, whole_number(level, "level"))

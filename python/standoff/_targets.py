@@ -4,6 +4,7 @@ their files are copied from one."""
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
@@ -161,30 +162,30 @@ class Target:
         for key in sorted(files.keys(""), key=lambda name: name != "zarr.json"):
             files.delete(key)
 
-    def open(self) -> _core.Store:
-        """The store's metadata; of a store that is no folder, of a copy that has no samples."""
+    def open(self, level: int = 0) -> _core.Store:
+        """The metadata of the store or of a level; of a store that is no folder, of a copy that has no samples."""
         if self.is_folder:
-            return _core.open_store(Path(self.url))
+            return _core.open_store(Path(self.url), level)
         with _scratch() as folder:
-            self.copy_metadata(Path(folder))
-            return _core.open_store(Path(folder))
+            self.copy_metadata(Path(folder), level)
+            return _core.open_store(Path(folder), level)
 
-    def copy_metadata(self, folder: Path) -> None:
-        """Of a store that is no folder."""
+    def copy_metadata(self, folder: Path, level: int = 0) -> None:
+        """Of a level of a store that is no folder, and of level 0."""
         files = self.files()
-        for key in ("zarr.json", f"{ARRAY}/zarr.json", "nearest/zarr.json"):
+        for key in ("zarr.json", f"{ARRAY}/zarr.json", "nearest/zarr.json", f"{level}/zarr.json"):
             data = files.get(key)
             if data is not None:
                 (folder / key).parent.mkdir(parents=True, exist_ok=True)
                 (folder / key).write_bytes(data)
 
-    def shards(self) -> set[Triple]:
-        """The shards that have a file."""
+    def shards(self, level: int = 0) -> set[Triple]:
+        """The shards of a level that have a file."""
         if self.is_folder:
-            root = Path(self.url) / ARRAY / "c"
+            root = Path(self.url) / str(level) / "c"
             parts = (path.relative_to(root).parts for path in root.glob("*/*/*"))
         else:
-            parts = (tuple(key.split("/")[2:]) for key in self.files().keys(f"{ARRAY}/c/"))
+            parts = (tuple(key.split("/")[2:]) for key in self.files().keys(f"{level}/c/"))
         found = set()
         for name in parts:
             if len(name) == 3 and all(part.isdigit() for part in name):
@@ -194,12 +195,54 @@ class Target:
     def write(self, first: Triple, window: DistanceField, threads: int) -> None:
         """Whole shards; each appears whole or not at all. Errors: usage, output."""
         if self.is_folder:
-            _core.open_store(Path(self.url)).write(first, window._native(), threads)
+            _core.open_store(Path(self.url), 0).write(first, window._native(), threads)
             return
         files = self.files()
         with _scratch() as folder:
             self.copy_metadata(Path(folder))
-            _core.open_store(Path(folder)).write(first, window._native(), threads)
-            for path in sorted((Path(folder) / ARRAY / "c").rglob("*")):
-                if path.is_file():
-                    files.put(path.relative_to(folder).as_posix(), path.read_bytes())
+            _core.open_store(Path(folder), 0).write(first, window._native(), threads)
+            _put_all(files, Path(folder), ARRAY)
+
+    def begin_levels(self, levels: int) -> None:
+        """Makes the arrays of levels, which the store does not list before `end_levels`."""
+        if self.is_folder:
+            return _core.open_store(Path(self.url), 0).begin_levels(levels)
+        with _scratch() as folder:
+            self.copy_metadata(Path(folder))
+            _core.open_store(Path(folder), 0).begin_levels(levels)
+            files = self.files()
+            for key in ("zarr.json", *(f"{level}/zarr.json" for level in range(1, levels))):
+                files.put(key, (Path(folder) / key).read_bytes())
+
+    def write_level(self, level: int, first: Triple, shape: Triple, threads: int) -> None:
+        """Whole shards of a level, out of the one before it."""
+        if self.is_folder:
+            return _core.open_store(Path(self.url), 0).write_level(level, first, shape, threads)
+        files = self.files()
+        with _scratch() as folder:
+            self.copy_metadata(Path(folder))
+            store = _core.open_store(Path(folder), 0)
+            ranges = [range(2 * at // s, (2 * (at + n) - 1) // s + 1) for at, n, s in zip(first, shape, store.shard)]
+            for shard in itertools.product(*ranges):
+                key = f"{level - 1}/c/" + "/".join(map(str, shard))
+                data = files.get(key)
+                if data is not None:
+                    (Path(folder) / key).parent.mkdir(parents=True, exist_ok=True)
+                    (Path(folder) / key).write_bytes(data)
+            store.write_level(level, first, shape, threads)
+            _put_all(files, Path(folder), str(level))
+
+    def end_levels(self, levels: int) -> None:
+        """Lists levels, which are complete."""
+        if self.is_folder:
+            return _core.open_store(Path(self.url), 0).end_levels(levels)
+        with _scratch() as folder:
+            self.copy_metadata(Path(folder))
+            _core.open_store(Path(folder), 0).end_levels(levels)
+            self.files().put("zarr.json", (Path(folder) / "zarr.json").read_bytes())
+
+
+def _put_all(files: Files, folder: Path, array: str) -> None:
+    for path in sorted((folder / array / "c").rglob("*")):
+        if path.is_file():
+            files.put(path.relative_to(folder).as_posix(), path.read_bytes())

@@ -23,6 +23,7 @@ from ._batch import BatchResult, merged
 from ._batch import batch as batch_here
 from ._checks import PathLike, flag, triple, whole_number
 from ._errors import Error, OutputError, UsageError
+from ._levels import level_count, write_levels
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, grid_of, progress_of
 from ._targets import Target, Triple
@@ -218,6 +219,7 @@ def write(
     shard: int | Sequence[int] = 256,
     chunk: int | Sequence[int] = 32,
     block: int | Sequence[int] | None = None,
+    levels: int = 1,
     client: Any = None,
     threads: int | None = None,
     resume: bool = True,
@@ -238,6 +240,8 @@ def write(
         chunk: samples of a chunk, which is what readers unpack; multiples of 8.
         block: samples of a task, by default a shard; multiples of `shard`. Two tasks must not write one shard: one of
             both would be lost without a word.
+        levels: how many the store has: the field, and others of every second sample of the one before. They are made
+            when the field is complete, and listed when they are.
         client: of Dask; without one this process does the work.
         threads: of each task; by default as many as the worker has.
         resume: keep the shards of an earlier call with the same mesh and arguments. Without it, a store that exists is
@@ -269,9 +273,11 @@ def write(
         "thickness": thickness,
     }
     job = _Job.of(mesh, blocks, sign, method, threads, **sizes)
+    count_of_levels = level_count(levels, job.grid.shape)
     target = Target(url, storage_options)
     here = _windows_of(job)
     _make(target, here, job, shards, chunks, flag(resume, "resume"), flag(overwrite, "overwrite"))
+    count_of_levels = max(count_of_levels, target.open().levels)  # a call for fewer takes none away
     existing = target.shards()
     todo: list[tuple[Triple, Triple]] = []
     kept = empty = 0
@@ -288,6 +294,7 @@ def write(
         for count, _ in enumerate(done, start=1):
             if report is not None:
                 report("write", count / len(todo))
+    write_levels(target, count_of_levels, job.grid.shape, shards, job.threads or 0, client, len(todo))
     count = int(np.prod([-(-n // s) for n, s in zip(job.grid.shape, shards)], dtype=np.int64))
     return Written(count, len(todo), kept, empty, time.monotonic() - began)
 

@@ -90,6 +90,34 @@ def test_a_cluster_writes_what_one_process_writes(client, serial, tmp_path):
     expect_same(tmp_path / "field.zarr", serial)
 
 
+def test_levels_have_the_same_bytes_however_they_are_written(client, tmp_path):
+    whole = so.field(MESH, **SIZES).numpy()
+    sd.write(tmp_path / "a.zarr", MESH, levels=3, **SIZES, **LAYOUT)
+    for level in range(3):
+        np.testing.assert_array_equal(
+            so.open(tmp_path / "a.zarr", level=level)[:], whole[:: 2**level, :: 2**level, :: 2**level]
+        )
+    sd.write(tmp_path / "b.zarr", MESH, levels=3, client=client, **SIZES, **LAYOUT)
+    expect_same(tmp_path / "b.zarr", tmp_path / "a.zarr")
+    # Later, and after a part was lost: shards of the field, and of a level that is not listed yet.
+    sd.write(tmp_path / "c.zarr", MESH, **SIZES, **LAYOUT)
+    sd.write(tmp_path / "c.zarr", MESH, levels=3, **SIZES, **LAYOUT)
+    expect_same(tmp_path / "c.zarr", tmp_path / "a.zarr")
+    next(path for path in (tmp_path / "c.zarr/0/c").rglob("*") if path.is_file()).unlink()
+    next(path for path in (tmp_path / "c.zarr/1/c").rglob("*") if path.is_file()).unlink()
+    assert sd.write(tmp_path / "c.zarr", MESH, levels=3, client=client, **SIZES, **LAYOUT).computed > 0
+    expect_same(tmp_path / "c.zarr", tmp_path / "a.zarr")
+    sd.write(tmp_path / "c.zarr", MESH, **SIZES, **LAYOUT)
+    assert so.open(tmp_path / "c.zarr").levels == 3, "a call for fewer takes none away"
+    sd.write("memory://levels/d.zarr", MESH, levels=3, **SIZES, **LAYOUT)
+    stored = so.open("memory://levels/d.zarr", level=2)
+    np.testing.assert_array_equal(stored[:], whole[::4, ::4, ::4])
+    for levels in (0, 40):
+        with pytest.raises(ValueError, match="levels: must be 1 to 8"):
+            sd.write(tmp_path / "e.zarr", MESH, levels=levels, **SIZES, **LAYOUT)
+    assert not (tmp_path / "e.zarr").exists()
+
+
 def test_what_is_missing_is_computed_again(serial, tmp_path):
     store = tmp_path / "field.zarr"
     shutil.copytree(serial, store)

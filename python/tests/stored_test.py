@@ -99,6 +99,36 @@ def test_nothing_else_is_read(whole, tmp_path):
         stored[128]
 
 
+def test_levels(whole, tmp_path):
+    path = tmp_path / "a.zarr"
+    whole.save(path)
+    store = _core.open_store(path, 0)
+    store.begin_levels(3)
+    for level, shape in ((1, (100, 75, 66)), (2, (50, 38, 33))):
+        store.write_level(level, (0, 0, 0), shape, 0)
+    assert so.open(path).levels == 1, "they are listed when all are complete"
+    store.end_levels(3)
+    system = pytest.importorskip("fsspec").filesystem("memory")
+    system.put(str(path), "/levels/a.zarr", recursive=True)
+    for url in (path, "memory://levels/a.zarr"):
+        assert so.open(url).levels == 3 and so.open(url).level == 0
+        for level in range(3):
+            stored = so.open(url, level=level)
+            step = 2**level
+            np.testing.assert_array_equal(stored[:], whole.numpy()[::step, ::step, ::step])
+            assert stored.level == level and stored.levels == 3 and f"level {level} of 3" in repr(stored)
+            assert stored.grid.origin == whole.grid.origin and stored.thickness == whole.thickness
+            assert tuple(stored.grid.spacing) == tuple(step * s for s in whole.grid.spacing)
+            assert stored.has_nearest == (level == 0)
+            sample = whole.grid.points()[64, 32, 16]
+            assert stored(sample) == pytest.approx(whole(sample))
+        for level in (3, -1):
+            with pytest.raises(so.UsageError, match="it has levels 0 to 2"):
+                so.open(url, level=level)
+        with pytest.raises(TypeError, match="level: must be a whole number"):
+            so.open(url, level=1.0)
+
+
 def test_what_is_no_store(tmp_path):
     for name in (tmp_path / "none.zarr", tmp_path):
         with pytest.raises(so.Error):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import shapes
 import standoff as so
+from standoff import _core
 
 zarr = pytest.importorskip("zarr")
 tensorstore = pytest.importorskip("tensorstore")
@@ -65,6 +66,29 @@ def test_what_we_write_is_ome_zarr(field, tmp_path):
     assert tuple(translation["translation"]) == tuple(field.grid.origin)
 
 
+def test_others_read_levels(field, tmp_path):
+    path = tmp_path / "a.zarr"
+    field.save(path)
+    store = _core.open_store(path, 0)
+    shape = store.shape
+    store.begin_levels(4)
+    for level in range(1, 4):
+        shape = [-(-n // 2) for n in shape]
+        store.write_level(level, (0, 0, 0), shape, 0)
+    store.end_levels(4)
+    group = zarr.open_group(path, mode="r")
+    (image,) = group.attrs["ome"]["multiscales"]
+    assert [one["path"] for one in image["datasets"]] == ["0", "1", "2", "3"]
+    for level, one in enumerate(image["datasets"]):
+        step = 2**level
+        wanted = field.numpy()[::step, ::step, ::step]
+        for found in (group[one["path"]][:], opened(path / one["path"]).read().result()):
+            np.testing.assert_array_equal(found, wanted)
+        scale, translation = one["coordinateTransformations"]
+        assert tuple(scale["scale"]) == tuple(step * s for s in field.grid.spacing)
+        assert tuple(translation["translation"]) == tuple(field.grid.origin)
+
+
 def attributes(thickness):
     return {"standoff": {"format": 1, "origin": ORIGIN, "spacing": SPACING, "thickness": thickness, "sign": "winding"}}
 
@@ -84,8 +108,15 @@ WAYS = {
         "shards": (64, 64, 64),
         "chunks": (32, 32, 32),
         "filters": X_FASTEST,
+        "compressors": [codecs.BloscCodec(), codecs.Crc32cCodec()],
+    },
+    "before checksums": {
+        "shards": (64, 64, 64),
+        "chunks": (32, 32, 32),
+        "filters": X_FASTEST,
         "compressors": [codecs.BloscCodec()],
     },
+    "checksums alone": {"chunks": (32, 32, 32), "compressors": [codecs.Crc32cCodec()]},
     "z fastest": {"shards": (64, 64, 64), "chunks": (32, 32, 32), "compressors": [codecs.BloscCodec()]},
     "odd chunks": {
         "shards": (45, 22, 36),
@@ -124,7 +155,8 @@ def test_we_read_what_tensorstore_writes(index_location, tmp_path):
     zarr.create_group(tmp_path / "a.zarr")
     inner = [{"name": "transpose", "configuration": {"order": [2, 1, 0]}},
              {"name": "bytes", "configuration": {"endian": "little"}},
-             {"name": "blosc", "configuration": {"cname": "zstd", "clevel": 4, "shuffle": "shuffle", "typesize": 4}}]  # fmt: skip
+             {"name": "blosc", "configuration": {"cname": "zstd", "clevel": 4, "shuffle": "shuffle", "typesize": 4}},
+            {"name": "crc32c"}]  # fmt: skip
     sharding = {"chunk_shape": [16, 16, 16], "codecs": inner, "index_location": index_location}
     store = tensorstore.open({
         "driver": "zarr3", "kvstore": {"driver": "file", "path": str(tmp_path / "a.zarr" / "0")}, "create": True,

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -142,39 +143,41 @@ struct Sample {
   std::int64_t i, j, k;
 };
 
-std::vector<Sample> all_samples(const Size3& size) {
-  std::vector<Sample> samples;
-  for (std::int64_t k = 0; k < size.z; ++k)
-    for (std::int64_t j = 0; j < size.y; ++j)
-      for (std::int64_t i = 0; i < size.x; ++i) samples.push_back({i, j, k});
-  return samples;
-}
+// A sample that is drawn: of the grid, or of stored tile number `tile`; the other numbers say where in it.
+struct Draw {
+  std::int64_t tile = -1;
+  std::array<std::uint64_t, 3> at{};
+};
 
-std::vector<Sample> choose_samples(const DistanceField& field, std::int64_t count, std::uint64_t seed) {
-  constexpr std::int64_t side = DistanceField::kTileSide;
-  const Size3 size = field.grid().size;
-  if (field.grid().sample_count() <= count) return all_samples(size);
+// Half of them of stored tiles, if there are any.
+std::vector<Draw> draw(std::int64_t count, std::uint64_t seed, std::int64_t stored) {
   // The generator gives the same numbers everywhere; the standard promises nothing of the kind for distributions.
   std::mt19937_64 random(seed);
-  const auto below = [&random](std::int64_t n) {
-    return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
-  };
-  std::vector<Size3> stored;
-  for (const DistanceField::Tile& tile : field.tiles()) stored.push_back(tile.at);
-  std::vector<Sample> samples;
-  samples.reserve(static_cast<std::size_t>(count));
-  for (std::int64_t n = 0; n < count; ++n) {
-    if (n % 2 == 0 || stored.empty()) {
-      samples.push_back({below(size.x), below(size.y), below(size.z)});
-      continue;
-    }
-    const Size3& tile = stored[static_cast<std::size_t>(below(static_cast<std::int64_t>(stored.size())))];
-    const auto within = [&](std::int64_t t, std::int64_t samples_along) {
-      return t * side + below(std::min(side, samples_along - t * side));
-    };
-    samples.push_back({within(tile.x, size.x), within(tile.y, size.y), within(tile.z, size.z)});
+  std::vector<Draw> draws(static_cast<std::size_t>(count));
+  for (std::size_t n = 0; n < draws.size(); ++n) {
+    if (n % 2 == 1 && stored > 0)
+      draws[n].tile = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(stored));
+    for (std::uint64_t& number : draws[n].at) number = random();
   }
-  return samples;
+  return draws;
+}
+
+// One of the samples of an axis from `first` to before `end`.
+std::int64_t one_of(std::uint64_t number, std::int64_t first, std::int64_t end) {
+  return first + static_cast<std::int64_t>(number % static_cast<std::uint64_t>(end - first));
+}
+
+Sample in_grid(const Draw& draw, const Size3& size) {
+  return {one_of(draw.at[0], 0, size.x), one_of(draw.at[1], 0, size.y), one_of(draw.at[2], 0, size.z)};
+}
+
+// In a tile of slices that begin at slice `first`.
+Sample in_tile(const Draw& draw, const Size3& tile, const Size3& size, std::int64_t first) {
+  constexpr std::int64_t side = DistanceField::kTileSide;
+  const auto within = [&](std::size_t axis) {
+    return one_of(draw.at[axis], tile[axis] * side, std::min((tile[axis] + 1) * side, size[axis]));
+  };
+  return {within(0), within(1), first + within(2)};
 }
 
 struct Finding {
@@ -219,9 +222,10 @@ std::optional<TriangleGroups> groups_with_distances(MeshView mesh, const SignTex
 // One field and its mesh. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 class Check {
  public:
-  Check(const DistanceField& field, MeshView mesh, ProgressMeter& progress)
-      : field_(field),
-        sign_(sign_text_in(field.provenance().sign).value_or(SignText{})),
+  Check(const Grid& grid, double thickness, const std::string& sign, MeshView mesh, ProgressMeter& progress)
+      : grid_(grid),
+        thickness_(thickness),
+        sign_(sign_text_in(sign).value_or(SignText{})),
         use_(oriented_for_sign(mesh, sign_)),
         groups_(mesh),
         near_(groups_with_distances(mesh, sign_, use_, progress)),
@@ -229,14 +233,16 @@ class Check {
 
   bool is_shell() const { return sign_.method == SignMethod::shell; }
   bool can_check_sign() const { return is_shell() || judge_.can_judge(); }
-  Finding sample(const Sample& at) const;
+  /// `slices` begin at slice `first` of the grid, and have the sample.
+  Finding sample(const Sample& at, const DistanceField& slices, std::int64_t first) const;
 
  private:
   void compare_distance(double distance, Finding& finding) const;
   void compare_shell(double distance, Finding& finding) const;
-  void compare_nearest(double distance, Finding& finding) const;
+  void compare_nearest(double distance, std::uint32_t nearest, Finding& finding) const;
 
-  const DistanceField& field_;
+  const Grid& grid_;
+  const double thickness_;
   // The triangles that count for distances; all triangles count for signs.
   const TriangleGroups& near() const { return near_ ? *near_ : groups_; }
 
@@ -247,12 +253,12 @@ class Check {
   SignJudge judge_;
 };
 
-Finding Check::sample(const Sample& at) const {
-  const Vec3 position = field_.grid().position(at.i, at.j, at.k);
+Finding Check::sample(const Sample& at, const DistanceField& slices, std::int64_t first) const {
+  const Vec3 position = grid_.position(at.i, at.j, at.k);
   const double distance = near().distance(position);
   Finding finding;
   SampleCheck& sample = finding.sample;
-  sample = {at.i, at.j, at.k, position, field_.value(at.i, at.j, at.k)};
+  sample = {at.i, at.j, at.k, position, slices.value(at.i, at.j, at.k - first)};
   if (is_shell())
     compare_shell(distance - sign_.shell / 2, finding);
   else
@@ -260,16 +266,16 @@ Finding Check::sample(const Sample& at) const {
   if (std::isnan(sample.error)) sample.error = std::numeric_limits<double>::infinity();
   // A grid beyond the range of double has infinite distances, which no comparison can confirm.
   finding.wrong = !(std::isfinite(distance) && sample.error <= sample.allowed);
-  if (field_.has_nearest()) compare_nearest(distance, finding);
+  if (slices.has_nearest()) compare_nearest(distance, slices.nearest(at.i, at.j, at.k - first), finding);
   return finding;
 }
 
 void Check::compare_distance(double distance, Finding& finding) const {
   SampleCheck& sample = finding.sample;
-  sample.expected = std::min(distance, field_.thickness());
-  sample.allowed = allowed_error(field_.grid(), sample.expected);
+  sample.expected = std::min(distance, thickness_);
+  sample.allowed = allowed_error(grid_, sample.expected);
   sample.error = std::abs(std::abs(sample.stored) - sample.expected);
-  finding.in_band = distance <= field_.thickness();
+  finding.in_band = distance <= thickness_;
   // The value 0 has no sign. Normals decide signs in the band only; samples beyond take the sign of their surroundings.
   const bool has_sign = sample.stored != 0 && !std::isnan(sample.stored);
   if (has_sign && (finding.in_band || sign_.method != SignMethod::normal))
@@ -280,21 +286,20 @@ void Check::compare_distance(double distance, Finding& finding) const {
 // `value`: the distance from the surface of the thickened sheet.
 void Check::compare_shell(double value, Finding& finding) const {
   SampleCheck& sample = finding.sample;
-  const double thickness = field_.thickness();
+  const double thickness = thickness_;
   sample.expected = std::clamp(value, -thickness, thickness);
-  sample.allowed = allowed_error(field_.grid(), value + sign_.shell / 2);
+  sample.allowed = allowed_error(grid_, value + sign_.shell / 2);
   finding.in_band = std::abs(value) <= thickness;
   if (std::abs(value) > sample.allowed) finding.sign.inside = (value < 0) != sign_.invert;
   if (sign_.invert) sample.expected = -sample.expected;
   sample.error = std::abs(sample.stored - sample.expected);
 }
 
-void Check::compare_nearest(double distance, Finding& finding) const {
+void Check::compare_nearest(double distance, std::uint32_t nearest, Finding& finding) const {
   const SampleCheck& sample = finding.sample;
-  const std::uint32_t nearest = field_.nearest(sample.i, sample.j, sample.k);
   // Near the thickness, rounding decides whether a sample has a nearest triangle.
   if (nearest == kNoTriangle)
-    finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < field_.thickness() - sample.allowed;
+    finding.nearest_wrong = std::abs(distance - sign_.shell / 2) < thickness_ - sample.allowed;
   else
     finding.nearest_wrong =
         nearest >= groups_.triangle_count() || near().distance(sample.position, nearest) > distance + sample.allowed;
@@ -316,37 +321,122 @@ void count_sign(const Finding& finding, SignCheck& sign) {
   ++sign.wrong;
 }
 
-}  // namespace
+// A field, or some slices of it at a time.
+class Slices {
+ public:
+  explicit Slices(const DistanceField& field)
+      : grid_(field.grid()), thickness_(field.thickness()), whole_(&field), step_(field.grid().size.z) {}
+  Slices(const Grid& grid, double thickness, const SliceReader& read, std::int64_t slice_samples)
+      : grid_(grid), thickness_(thickness), read_(&read) {
+    constexpr std::int64_t kLayer = 32;  // slices of a chunk of a store, which is unpacked once so
+    step_ = kLayer * std::max<std::int64_t>(1, slice_samples / (grid.size.x * grid.size.y) / kLayer);
+  }
 
-double allowed_error(const Grid& grid, double distance) {
-  const Box box = grid.bounds();
-  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(max_norm(box.min), max_norm(box.max));
-  return promised_error(distance, grid.max_spacing()) + resolution;
+  const Grid& grid() const { return grid_; }
+  double thickness() const { return thickness_; }
+  std::int64_t parts() const { return (grid_.size.z - 1) / step_ + 1; }
+  /// Calls visit(slices, first) for all parts.
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    for (std::int64_t first = 0; first < grid_.size.z; first += step_) visit(part(first), first);
+  }
+  std::int64_t step() const { return step_; }
+  /// The slices from `first` on; they live until the next call.
+  const DistanceField& part(std::int64_t first) {
+    if (whole_) return *whole_;
+    if (first == held_first_) return held_;
+    held_ = DistanceField();  // not two at a time
+    const std::int64_t count = std::min(step_, grid_.size.z - first);
+    held_ = call_back(*read_, first, count);
+    if (held_.grid() != grid_.window({0, 0, first}, {grid_.size.x, grid_.size.y, count}) ||
+        held_.thickness() != thickness_)
+      throw Error(ErrorCode::usage, "verify: " + std::to_string(count) + " slices from slice " + std::to_string(first) +
+                                        " on were asked for, and others came; give that window of the field");
+    held_first_ = first;
+    return held_;
+  }
+
+ private:
+  const Grid grid_;
+  const double thickness_;
+  const DistanceField* whole_ = nullptr;
+  const SliceReader* read_ = nullptr;
+  std::int64_t step_ = 0, held_first_ = -1;
+  DistanceField held_;
+};
+
+struct Chosen {
+  std::vector<Draw> draws;             // none: all samples
+  std::vector<std::int64_t> tiles{0};  // stored ones before each part, and at last all
+};
+
+Chosen choose(Slices& slices, const VerifyOptions& options, ProgressMeter& progress) {
+  Chosen chosen;
+  if (slices.grid().sample_count() <= options.samples) return chosen;
+  slices.for_each([&](const DistanceField& part, std::int64_t) {
+    chosen.tiles.push_back(chosen.tiles.back() + part.stored_tiles());
+    progress.advance();
+  });
+  chosen.draws = draw(options.samples, options.seed, chosen.tiles.back());
+  return chosen;
 }
 
-VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
+// What is to be tested in a part, in the order of the draws: which of them, and the sample.
+std::vector<std::pair<std::size_t, Sample>> samples_in(const Chosen& chosen, const Slices& slices,
+                                                       const DistanceField& part, std::int64_t first) {
+  std::vector<std::pair<std::size_t, Sample>> samples;
+  const Size3 size = slices.grid().size, of_part = part.grid().size;
+  if (chosen.draws.empty()) {
+    auto number = static_cast<std::size_t>(first * size.x * size.y);
+    for (std::int64_t k = first; k < first + of_part.z; ++k)
+      for (std::int64_t j = 0; j < size.y; ++j)
+        for (std::int64_t i = 0; i < size.x; ++i) samples.push_back({number++, {i, j, k}});
+    return samples;
+  }
+  std::vector<Size3> tiles;
+  for (const DistanceField::Tile& tile : part.tiles()) tiles.push_back(tile.at);
+  const std::int64_t before = chosen.tiles[static_cast<std::size_t>(first / slices.step())];
+  for (std::size_t n = 0; n < chosen.draws.size(); ++n) {
+    const Draw& draw = chosen.draws[n];
+    const std::int64_t tile = draw.tile - before;
+    if (draw.tile < 0) {
+      const Sample at = in_grid(draw, size);
+      if (at.k >= first && at.k < first + of_part.z) samples.push_back({n, at});
+    } else if (tile >= 0 && tile < static_cast<std::int64_t>(tiles.size())) {
+      samples.push_back({n, in_tile(draw, tiles[static_cast<std::size_t>(tile)], of_part, first)});
+    }
+  }
+  return samples;
+}
+
+VerifyResult verify_slices(Slices& slices, MeshView mesh, const VerifyOptions& options) {
   if (options.samples < 1) throw Error(ErrorCode::usage, "verify: at least one sample must be tested; give 1 or more");
   validate("verify", options.execution, Runs::on_the_cpu);
   validate(mesh);
 
   ProgressMeter progress(options.progress);
-  const auto samples = choose_samples(field, options.samples, options.seed);
-  std::vector<Finding> findings(samples.size());
+  std::vector<Finding> findings(static_cast<std::size_t>(std::min(options.samples, slices.grid().sample_count())));
   VerifyResult result;
-  result.sign.method = field.provenance().sign;
   Threads(options.execution.threads).run([&] {
-    progress.stage("sort", 1, 0, 0.05);
-    const Check check(field, mesh, progress);
+    progress.stage("read", slices.parts(), 0, 0.05);
+    const Chosen chosen = choose(slices, options, progress);
+    const Provenance from = slices.part(0).provenance();
+    result.sign.method = from.sign;
+    result.mesh_differs = from.mesh_hash != 0 && from.mesh_hash != content_hash(mesh);
+    progress.stage("sort", 1, 0.05, 0.1);
+    const Check check(slices.grid(), slices.thickness(), from.sign, mesh, progress);
     result.sign.can_check = check.can_check_sign();
-    progress.stage("verify", static_cast<std::int64_t>(samples.size()), 0.05, 1);
-    tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {
-      findings[n] = check.sample(samples[n]);
-      progress.advance();
+    progress.stage("verify", static_cast<std::int64_t>(findings.size()), 0.1, 1);
+    slices.for_each([&](const DistanceField& part, std::int64_t first) {
+      const auto samples = samples_in(chosen, slices, part, first);
+      tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {
+        findings[samples[n].first] = check.sample(samples[n].second, part, first);
+        progress.advance();
+      });
     });
   });
 
-  result.samples = static_cast<std::int64_t>(samples.size());
-  result.mesh_differs = field.provenance().mesh_hash != 0 && field.provenance().mesh_hash != content_hash(mesh);
+  result.samples = static_cast<std::int64_t>(findings.size());
   result.largest = result.worst = findings.front().sample;
   for (const Finding& finding : findings) {
     const SampleCheck& sample = finding.sample;
@@ -358,6 +448,29 @@ VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptio
     if (sample.error / sample.allowed > result.worst.error / result.worst.allowed) result.worst = sample;
   }
   return result;
+}
+
+}  // namespace
+
+double allowed_error(const Grid& grid, double distance) {
+  const Box box = grid.bounds();
+  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(max_norm(box.min), max_norm(box.max));
+  return promised_error(distance, grid.max_spacing()) + resolution;
+}
+
+VerifyResult verify(const DistanceField& field, MeshView mesh, const VerifyOptions& options) try {
+  Slices slices(field);
+  return verify_slices(slices, mesh, options);
+} catch (...) {
+  throw_as_error("verify", "test fewer samples, or provide more memory");
+}
+
+VerifyResult verify(const Grid& grid, double thickness, const SliceReader& read, MeshView mesh,
+                    const VerifyOptions& options, std::int64_t slice_samples) try {
+  validate(grid);
+  if (slice_samples < 1) throw Error(ErrorCode::usage, "verify: slices without samples; give 1 or more");
+  Slices slices(grid, thickness, read, slice_samples);
+  return verify_slices(slices, mesh, options);
 } catch (...) {
   throw_as_error("verify", "test fewer samples, or provide more memory");
 }

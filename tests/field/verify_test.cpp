@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "field/reference.h"
 #include "standoff/compute.h"
@@ -118,6 +119,56 @@ TEST(Verify, FindsOneWrongSample) {
     EXPECT_NEAR(found.worst.error, std::abs(factor) * found.worst.allowed,
                 0.1 * std::abs(factor) * found.worst.allowed);
   }
+}
+
+void expect_same(const SampleCheck& a, const SampleCheck& b) {
+  EXPECT_EQ(std::tie(a.i, a.j, a.k, a.stored, a.expected, a.error, a.allowed),
+            std::tie(b.i, b.j, b.k, b.stored, b.expected, b.error, b.allowed));
+}
+
+// Some slices at a time the same samples are tested, and the same is found.
+TEST(Verify, SlicesAreTheField) {
+  const Mesh mesh = random_soup(5, 60, 0.7, 0.4);
+  Grid grid{{70, 40, 90}, {-1.5, -1.25, -1.75}, {0.04, 0.06, 0.04}};
+  ComputeOptions options;
+  options.nearest = true;
+  DistanceField field = compute(mesh, grid, 0.2, options).field;
+  std::vector<Size3> tiles;
+  for (const DistanceField::Tile& tile : field.tiles()) tiles.push_back(tile.at);
+  for (const Size3& at : tiles)
+    if (at.z > 4 && at.x % 3 == 0)
+      for (float& value : field.edit_tile(at.x, at.y, at.z).first<40>()) value *= -0.9f;
+  std::int64_t most = 0;
+  const SliceReader read = [&](std::int64_t first, std::int64_t count) {
+    most = std::max(most, count);
+    const Grid part = grid.window({0, 0, first}, {grid.size.x, grid.size.y, count});
+    DistanceField slices(part, field.thickness(), true);
+    slices.set_provenance(field.provenance());
+    for (const DistanceField::Tile& tile : field.tiles()) {
+      const std::int64_t z = tile.at.z - first / 8;
+      if (z < 0 || z >= slices.tile_count().z) continue;
+      std::ranges::copy(tile.values, slices.store_tile(tile.at.x, tile.at.y, z).begin());
+      std::ranges::copy(tile.nearest, slices.store_nearest(tile.at.x, tile.at.y, z).begin());
+    }
+    return slices;
+  };
+  for (const std::int64_t samples : {std::int64_t{500}, std::int64_t{20'000}, std::int64_t{1'000'000}}) {
+    SCOPED_TRACE(samples);
+    const VerifyResult whole = verify(field, mesh, {.samples = samples}),
+                       sliced = verify(grid, field.thickness(), read, mesh, {.samples = samples}, 1);
+    EXPECT_EQ(most, 32);
+    EXPECT_EQ(
+        std::tie(whole.samples, whole.samples_band, whole.samples_wrong, whole.nearest_wrong, whole.mesh_differs),
+        std::tie(sliced.samples, sliced.samples_band, sliced.samples_wrong, sliced.nearest_wrong, sliced.mesh_differs));
+    EXPECT_GT(samples > 500 ? whole.samples_wrong : 1, 0);
+    expect_same(whole.largest, sliced.largest);
+    expect_same(whole.worst, sliced.worst);
+    EXPECT_EQ(whole.sign.checked, sliced.sign.checked);
+    EXPECT_EQ(whole.sign.wrong, sliced.sign.wrong);
+  }
+  const SliceReader others = [&](std::int64_t, std::int64_t) { return DistanceField(grid, 0.2); };
+  EXPECT_THROW(verify(grid, 0.2, others, mesh, {}, 1), Error);
+  EXPECT_THROW(verify(grid, 0.2, read, mesh, {}, 0), Error);
 }
 
 TEST(Verify, NotANumberIsWrong) {

@@ -22,6 +22,7 @@ struct FieldRequest {
 
 class ProgressMeter;
 struct FolderFormat;
+struct StoredField;
 
 /// A reader throws Error{input} as `FILE:WHERE: what; what to do`, and Error{limit} where field and sidecars would take
 /// more than the memory limit, before they take it.
@@ -33,6 +34,8 @@ struct FieldFormat {
   bool slabs = false;     ///< can be written slab by slab
   bool sparse = false;    ///< stores whole tiles and tables of them; else a number for each sample
   FieldFile (*read)(const FileView&, const FieldRequest&) = nullptr;
+  /// Of a format whose samples can be read from any slice on: x varies fastest, and StoredArray::from() works.
+  StoredField (*header)(const FileView&) = nullptr;
   /// Everything but the commit, of a field or, if the format can, of slabs. Sidecars, if the format can carry them,
   /// have been checked.
   void (*write)(AtomicFile&, const FieldSource&, const FieldWriteOptions&) = nullptr;

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <new>
 #include <string>
+#include <system_error>
 
 #include "core/guarded.h"
 #include "core/memory.h"
@@ -25,6 +26,8 @@ const FieldFormat& format_of(const std::filesystem::path& path, ErrorCode code) 
   std::string extension = (path.has_filename() ? path : path.parent_path()).extension().string();  // a.zarr/
   if (!extension.empty()) extension.erase(0, 1);
   if (const FieldFormat* format = find_field_format(extension)) return *format;
+  std::error_code ignored;
+  if (code == ErrorCode::input && std::filesystem::exists(path / "zarr.json", ignored)) return kFieldZarr;
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   std::string known;
   for (const FieldFormat* format : kFieldFormats)
@@ -67,7 +70,10 @@ FieldFile read(const std::filesystem::path& path, const FieldReadOptions& option
   }
 }
 
-void check_threads(const FieldWriteOptions& options) {
+void check_options(const std::filesystem::path& path, const FieldFormat& format, const FieldWriteOptions& options) {
+  if (options.levels != 1 && !format.folder)
+    throw Error(ErrorCode::usage, path.string() + ": ." + format.extension + " has no levels; write ." +
+                                      kFieldZarr.extension + ", or leave them out");
   if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
 }
 
@@ -123,7 +129,7 @@ void write_field(const std::filesystem::path& path, const DistanceField& field, 
   if (!options.sidecars.empty() && !format.sidecars)
     throw Error(ErrorCode::usage, cannot + "sidecars such as " + shown(options.sidecars[0].name) + "; write " +
                                       those_with(&FieldFormat::sidecars) + ", or leave them out");
-  check_threads(options);
+  check_options(path, format, options);
   check_sidecars(field, options.sidecars);
   write(path, format, FieldSource(field, options.sidecars), options);
 } catch (...) {
@@ -140,7 +146,7 @@ void write_field(const std::filesystem::path& path, FieldSlabs& slabs, const Fie
     throw Error(ErrorCode::usage, cannot +
                                       "distances alone are written; leave nearest triangles and sidecars out, or "
                                       "compute the whole field");
-  check_threads(options);
+  check_options(path, format, options);
   validate(slabs.grid());
   write(path, format, FieldSource(slabs), options);
 } catch (...) {

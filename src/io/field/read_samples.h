@@ -33,6 +33,18 @@ struct StoredArray {
   NumberType type = NumberType::float32;
   int components = 1;
   bool planar = false;  ///< all numbers of the first component, then those of the next; those of a sample otherwise
+  /// `open` from a byte on, in formats with FieldFormat::header.
+  std::function<std::unique_ptr<ByteStream>(std::uint64_t)> open_at = {};
+
+  /// The array without so many bytes at its beginning.
+  StoredArray from(std::uint64_t bytes) const {
+    StoredArray rest = *this;
+    if (open_at)
+      rest.open = [open = open_at, bytes] { return open(bytes); };
+    else
+      rest.offset += bytes;
+    return rest;
+  }
 };
 
 /// An array that is no distance.

@@ -38,8 +38,14 @@ struct VtkBlocks {
 /// The bytes of an array. Memory is taken for what is asked for at once.
 class VtkBlockStream : public ByteStream {
  public:
-  /// All must outlive it.
-  VtkBlockStream(const FileView& file, const VtkBlocks& blocks) : file_(file), blocks_(blocks) {}
+  /// From a byte on. All must outlive it.
+  VtkBlockStream(const FileView& file, const VtkBlocks& blocks, std::uint64_t first = 0)
+      : file_(file), blocks_(blocks) {
+    while (block_ < blocks.blocks.size() && first >= blocks.blocks[block_].bytes)
+      first -= blocks.blocks[block_++].bytes;
+    constexpr std::uint64_t kPart = std::uint64_t{1} << 20;
+    for (; first > 0; first -= std::min(first, kPart)) next(std::min(first, kPart));
+  }
 
   std::string_view next(std::uint64_t bytes) override;
   void finish() override {}
@@ -293,7 +299,9 @@ class VtiReader {
     auto blocks = std::make_shared<VtkBlocks>(std::move(found.blocks));
     return {.big_endian = big_endian_,
             .open = [file = &file_, blocks] { return std::make_unique<VtkBlockStream>(*file, *blocks); },
-            .packed = true};
+            .packed = true,
+            .open_at = [file = &file_, blocks](
+                           std::uint64_t first) { return std::make_unique<VtkBlockStream>(*file, *blocks, first); }};
   }
 
   StoredArray samples(const XmlTag& tag, const char* type) const {
@@ -359,6 +367,8 @@ FieldFile read_vti(const FileView& file, const FieldRequest& request) {
   const StoredField stored = VtiReader(file, request.sidecars).read();
   return load_field(file, stored, request);
 }
+
+StoredField vti_header(const FileView& file) { return VtiReader(file, true).read(); }
 
 constexpr std::string_view kEnd = "\n  </AppendedData>\n</VTKFile>\n";
 
@@ -530,6 +540,7 @@ constinit const FieldFormat kFieldVti{.extension = "vti",
                                       .sidecars = true,
                                       .slabs = true,
                                       .read = read_vti,
+                                      .header = vti_header,
                                       .write = write_vti};
 
 }  // namespace standoff

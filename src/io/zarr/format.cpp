@@ -119,15 +119,28 @@ void write_slabs(const FieldSource& source, LayeredWriter& writer) {
   });
 }
 
+// Of the store in an unfinished folder.
+void write_all_levels(StoreMetadata store, const std::filesystem::path& folder, const FieldWriteOptions& options,
+                      ProgressMeter& meter) {
+  store.path = folder;
+  store.distance.folder = folder / kDistanceName;
+  begin_levels(store, options.levels);
+  for (int number = 1; number < options.levels; ++number)
+    write_level(store, number, {{}, level_of(store, number).grid.size}, false, options.threads, meter);
+  end_levels(store, options.levels);
+}
+
 void write_field(const std::filesystem::path& path, const FieldSource& source, const FieldWriteOptions& options,
                  ProgressMeter& meter) {
   const ZarrLayout layout{.nearest = source.is_whole() && source.whole().has_nearest(), .compress = options.compress};
   check_writable(source.grid(), source.thickness(), layout);
   const StoreMetadata store = metadata_of(path, source.grid(), source.thickness(), source.provenance(), layout);
+  check_levels(store, options.levels);
   AtomicFolder folder(path, options.existing, is_own_store, kOwnStore);
   write_metadata(store, folder.path(), path);
   LayeredWriter writer(store, folder.path(), path, options.threads, meter);
   source.is_whole() ? write_whole(source.whole(), writer, meter) : write_slabs(source, writer);
+  if (options.levels > 1) write_all_levels(store, folder.path(), options, meter);
   meter.stage("done", 1, 1, 1);  // nothing stops what follows
   folder.commit();
 }

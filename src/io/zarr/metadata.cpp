@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/zarr/metadata.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -16,76 +20,17 @@
 #include "core/number_text.h"
 #include "files/atomic_folder.h"
 #include "files/json_view.h"
-#include "io/zarr/blosc.h"
+#include "io/zarr/metadata_text.h"
+#include "io/zarr/shard.h"
 #include "standoff/error.h"
 
 namespace standoff::zarr {
 namespace {
 
-// Of the attributes that standoff writes.
-constexpr std::uint64_t kFormat = 1;
 constexpr int kDeepest = 32;
-constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
-constexpr const char *kInfinity = "Infinity", *kMinusInfinity = "-Infinity", *kNotANumber = "NaN";
 constexpr const char* kCodecsThatWork =
-    "standoff reads chunks of transpose [2,1,0] or none, bytes (little endian) and blosc or nothing, in that order, in "
-    "shards (sharding_indexed) or alone; write the store so";
-
-// Texts of provenance are ASCII; other bytes might be no UTF-8, and then nobody could read the JSON.
-std::string quoted_text(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string json = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 128) {
-      json += '?';
-    } else if (byte < 32) {
-      json.append("\\u00").append(1, kDigits[byte / 16]).append(1, kDigits[byte % 16]);
-    } else {
-      if (c == '"' || c == '\\') json += '\\';
-      json += c;
-    }
-  }
-  return json + '"';
-}
-
-std::string member(const char* name, const std::string& value) { return std::string("\"") + name + "\": " + value; }
-
-// JSON has no infinite numbers: Zarr spells them so, and Python's float() reads that.
-std::string number_json(double value) {
-  return std::isfinite(value) ? exact_text(value) : std::string("\"") + (value < 0 ? kMinusInfinity : kInfinity) + '"';
-}
-std::string list_json(const Vec3& v) {
-  return "[" + exact_text(v.x) + ", " + exact_text(v.y) + ", " + exact_text(v.z) + "]";
-}
-std::string list_json(const Size3& v) {
-  return "[" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
-}
-std::string codec_json(const char* name, const std::string& configuration) {
-  return R"({"name": ")" + std::string(name) + R"(", "configuration": {)" + configuration + "}}";
-}
-
-std::string chunk_codecs(const ArrayLayout& layout) {
-  std::string codecs;
-  if (layout.x_fastest) codecs += codec_json("transpose", R"("order": [2, 1, 0])") + ", ";
-  codecs += codec_json("bytes", R"("endian": "little")");
-  if (layout.blosc)
-    codecs += ", " + codec_json("blosc", R"("cname": "zstd", "clevel": )" + std::to_string(kBloscLevel) +
-                                             R"(, "shuffle": "shuffle", "typesize": )" + std::to_string(kNumberBytes) +
-                                             R"(, "blocksize": 0)");
-  return "[" + codecs + "]";
-}
-
-std::string codecs_json(const ArrayLayout& layout) {
-  if (!layout.sharded) return chunk_codecs(layout);
-  const std::string index = "[" + codec_json("bytes", R"("endian": "little")") + R"(, {"name": "crc32c"}])";
-  return "[" +
-         codec_json("sharding_indexed", member("chunk_shape", list_json(layout.chunk)) + ", " +
-                                            member("codecs", chunk_codecs(layout)) + ", " +
-                                            member("index_codecs", index) + ", " +
-                                            member("index_location", layout.index_first ? R"("start")" : R"("end")")) +
-         "]";
-}
+    "standoff reads chunks of transpose [2,1,0] or none, bytes (little endian), blosc or nothing, and crc32c or "
+    "nothing, in that order, in shards (sharding_indexed) or alone; write the store so";
 
 // What a member is called, or what a codec is: its name alone, or an object with the name and its configuration.
 struct Named {
@@ -179,8 +124,8 @@ void expect_version(const JsonView& json, const char* node) {
 
 // The codecs of a chunk.
 void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
-  enum { kArrays, kBytes, kPacked } reached = kArrays;
-  layout.x_fastest = layout.blosc = false;
+  enum { kArrays, kBytes, kPacked, kChecked } reached = kArrays;
+  layout.x_fastest = layout.blosc = layout.checked = false;
   const auto not_read = [](const Named& codec) {
     codec.json.fail("codec " + in_quotes(codec.name) + " is not read here; " + kCodecsThatWork);
   };
@@ -201,6 +146,9 @@ void read_chunk_codecs(const JsonView& json, ArrayLayout& layout) {
     } else if (codec.name == "blosc" && reached == kBytes) {
       layout.blosc = true;
       reached = kPacked;
+    } else if (codec.name == "crc32c" && (reached == kBytes || reached == kPacked)) {
+      layout.checked = true;
+      reached = kChecked;
     } else {
       not_read(codec);
     }
@@ -262,7 +210,7 @@ void expect_axes(const JsonView& json) {
   });
 }
 
-// What the group of a store says of its first level.
+// What the group of a store says of a level.
 struct Level {
   std::string array = kDistanceName;
   std::optional<Vec3> scale;
@@ -291,37 +239,68 @@ std::optional<JsonView> first_of(const JsonView& list) {
   return first;
 }
 
-Level read_group(const JsonView& json) {
+Level read_level(const JsonView& set) {
+  Level level;
+  const JsonView path = need(set, "path");
+  level.array = path.text();
+  const std::filesystem::path name(level.array);
+  if (name.empty() || name.is_absolute() || std::ranges::find(name, "..") != name.end())
+    path.fail(in_quotes(level.array) + " is no array of this store; write it again");
+  read_transformations(need(set, "coordinateTransformations"), level);
+  return level;
+}
+
+struct Group {
+  std::vector<Level> levels;
+  bool own = false;  // standoff wrote it, and so its arrays' attributes
+};
+
+Group read_group(const JsonView& json) {
   expect_version(json, "group");
   expect_known(json, {"zarr_format", "node_type", "attributes", "consolidated_metadata"});
-  Level level;
+  Group group;
   const auto attributes = json.find("attributes");
+  group.own = attributes && attributes->find(kOwnAttributes);
   const auto ome = attributes ? attributes->find("ome") : std::nullopt;
   const auto scales = ome ? ome->find("multiscales") : std::nullopt;
   const auto image = scales ? first_of(*scales) : std::nullopt;
-  if (!image) return level;
+  if (!image) {
+    group.levels.emplace_back();
+    return group;
+  }
   std::vector<std::string> axes;
   const JsonView named_axes = need(*image, "axes");
   named_axes.each_element([&](const JsonView& axis) { axes.push_back(need(axis, "name").text()); });
   if (!std::ranges::equal(axes, kAxes, {}, {}, [](const char* axis) { return std::string(axis); }))
     named_axes.fail("axes are read in the order x, y, z; transpose the array and write it again");
   const JsonView sets = need(*image, "datasets");
-  const auto set = first_of(sets);
-  if (!set) sets.fail("it lists no array; write the store again");
-  const JsonView path = need(*set, "path");
-  level.array = path.text();
-  const std::filesystem::path name(level.array);
-  if (name.empty() || name.is_absolute() || std::ranges::find(name, "..") != name.end())
-    path.fail(in_quotes(level.array) + " is no array of this store; write it again");
-  read_transformations(need(*set, "coordinateTransformations"), level);
-  return level;
+  sets.each_element([&](const JsonView& set) {
+    if (group.levels.size() == kMostLevels)
+      set.fail("more than " + std::to_string(kMostLevels) + " levels are not read; write fewer");
+    group.levels.push_back(read_level(set));
+  });
+  if (group.levels.empty()) sets.fail("it lists no array; write the store again");
+  return group;
+}
+
+void check_sum(const JsonView& own, const ArrayLayout& layout, const std::string& members) {
+  const auto sum = own.find(kSum);
+  if (sum && sum->whole() != sum_of(layout, members))
+    sum->fail(std::string("it is not the checksum of this metadata, which is damaged, or was changed; write the store "
+                          "again, or leave \"") +
+              kSum + "\" out where the change is meant");
+}
+
+// The attributes of standoff.
+std::optional<JsonView> own_attributes(const JsonView& array) {
+  const auto attributes = array.find("attributes");
+  return attributes ? attributes->find(kOwnAttributes) : std::nullopt;
 }
 
 // Grid, thickness and provenance; returns whether there are nearest triangles.
 bool read_attributes(const FileView& file, const JsonView& array, const std::optional<Level>& level,
                      StoreMetadata& store) {
-  const auto attributes = array.find("attributes");
-  const auto own = attributes ? attributes->find("standoff") : std::nullopt;
+  const auto own = own_attributes(array);
   store.grid.size = store.distance.shape;
   store.thickness = std::numeric_limits<double>::infinity();
   if (!own) {
@@ -349,8 +328,15 @@ bool read_attributes(const FileView& file, const JsonView& array, const std::opt
     if (!number) hash->fail("the mesh's hash is not of the form 0x0123456789abcdef; repair the file");
     store.provenance.mesh_hash = *number;
   }
-  const auto nearest = own->find("nearest");
-  return nearest && nearest->boolean();
+  const auto found = own->find("nearest");
+  const bool nearest = found && found->boolean();
+  check_sum(*own, store.distance, own_members(store, nearest));
+  if (own->find(kSum) && level && level->scale &&
+      (*level->scale != store.grid.spacing || level->translation != store.grid.origin))
+    FileView(store.path / kMetadataName, std::string_view())
+        .fail("multiscales", "scale and translation of " + in_quotes(level->array) +
+                                 " are not the spacing and origin that its array has; write the store again");
+  return nearest;
 }
 
 void check(const FileView& file, const StoreMetadata& store) {
@@ -376,9 +362,22 @@ JsonView json_of(const FileView& file) {
   return JsonView::read(file, file.bytes(), kDeepest);
 }
 
+FileView metadata_in(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / kMetadataName;
+  const Descriptor file = open_stored(path, "metadata is");
+  const FileView shown(path, std::string_view());
+  struct stat about {};
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) shown.fail(cannot_read(errno));
+  if (static_cast<std::uint64_t>(about.st_size) > kMostMetadataBytes)
+    shown.fail("it has more than " + std::to_string(kMostMetadataBytes >> 20) +
+               " MiB, where metadata takes some thousand bytes; write the store again");
+  return FileView(path, file, kMostMetadataBytes);
+}
+
 void read_nearest(const std::filesystem::path& path, StoreMetadata& store) {
-  const FileView file(path / kNearestName / kMetadataName);
+  const FileView file = metadata_in(path / kNearestName);
   store.nearest = layout_in(file, path / kNearestName, true);
+  if (const auto own = own_attributes(json_of(file))) check_sum(*own, *store.nearest, "");
   if (store.nearest->shape != store.distance.shape)
     file.fail("there are not as many nearest triangles as distances; write the store again");
 }
@@ -393,52 +392,6 @@ std::filesystem::path ArrayLayout::file_name(const Size3& n) const {
   const std::string x = std::to_string(n.x), y = std::to_string(n.y), z = std::to_string(n.z);
   const std::string s(1, separator);
   return "c" + s + x + s + y + s + z;
-}
-
-std::string array_text(const ArrayLayout& layout, const std::string& attributes) {
-  const std::string fill = layout.whole_numbers ? std::to_string(layout.fill)
-                                                : number_json(static_cast<double>(std::bit_cast<float>(layout.fill)));
-  const std::vector<std::string> members{
-      member("zarr_format", "3"),
-      member("node_type", "\"array\""),
-      member("shape", list_json(layout.shape)),
-      member("data_type", layout.whole_numbers ? "\"uint32\"" : "\"float32\""),
-      member("dimension_names", R"(["x", "y", "z"])"),
-      member("chunk_grid", codec_json("regular", member("chunk_shape", list_json(layout.shard)))),
-      member("chunk_key_encoding", codec_json("default", R"("separator": "/")")),
-      member("fill_value", fill),
-      member("codecs", codecs_json(layout)),
-      member("attributes", "{" + attributes + "}")};
-  std::string text;
-  for (const std::string& one : members) text += (text.empty() ? "{\n  " : ",\n  ") + one;
-  return text + "\n}\n";
-}
-
-std::string field_attributes(const StoreMetadata& store) {
-  const Provenance& from = store.provenance;
-  return member(
-      "standoff",
-      "{" + member("format", std::to_string(kFormat)) + ", " + member("origin", list_json(store.grid.origin)) + ", " +
-          member("spacing", list_json(store.grid.spacing)) + ", " + member("thickness", number_json(store.thickness)) +
-          ", " + member("nearest", store.nearest ? "true" : "false") + ", " +
-          member("method", quoted_text(from.method)) + ", " + member("sign", quoted_text(from.sign)) + ", " +
-          member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
-          member("version", quoted_text(from.version)) + "}");
-}
-
-std::string group_text(const StoreMetadata& store) {
-  std::string axes;
-  for (const char* axis : kAxes) {
-    if (!axes.empty()) axes += ", ";
-    axes.append("{").append(member("name", quoted_text(axis))).append(R"(, "type": "space"})");
-  }
-  const std::string set = R"({"path": ")" + std::string(kDistanceName) +
-                          R"(", "coordinateTransformations": [{"type": "scale", "scale": )" +
-                          list_json(store.grid.spacing) + R"(}, {"type": "translation", "translation": )" +
-                          list_json(store.grid.origin) + "}]}";
-  return "{\n  \"zarr_format\": 3,\n  \"node_type\": \"group\",\n  \"attributes\": {\"ome\": {\"version\": \"0.5\", "
-         "\"multiscales\": [{\"name\": \"distance\", \"axes\": [" +
-         axes + "], \"datasets\": [" + set + "]}]}}\n}\n";
 }
 
 ArrayLayout read_array(const FileView& file) {
@@ -469,30 +422,61 @@ ArrayLayout read_array(const FileView& file) {
   return layout;
 }
 
-StoreMetadata read_store(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  if (!std::filesystem::exists(status)) fail_no_store(path, "no such file; check the name");
+Descriptor open_stored(const std::filesystem::path& path, const char* what) {
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would wait
+  const FileView shown(path, std::string_view());
+  struct stat about {};
+  if (file.number() < 0 && errno == ENOENT) {
+    if (::lstat(path.c_str(), &about) == 0) shown.fail("it is a link to what is not there; write the store again");
+    errno = ENOENT;
+    return file;
+  }
+  if (file.number() < 0 && errno == ENOTDIR) shown.fail("a file is where its folder should be; write the store again");
+  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) shown.fail(cannot_read(errno));
+  if (!S_ISREG(about.st_mode)) shown.fail(std::string("it is no regular file, as ") + what + "; write the store again");
+  return file;
+}
+
+StoreMetadata read_store(const std::filesystem::path& path, int level) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) fail_no_store(path, "no such file; check the name");
+  if (!std::filesystem::exists(status)) fail_no_store(path, cannot_read(error.value()));
   if (!std::filesystem::is_directory(status))
     fail_no_store(path, "it is a file, and a Zarr store is a folder; check the name");
-  if (!std::filesystem::exists(path / kMetadataName, ignored))
-    fail_no_store(
-        path, std::filesystem::exists(path / ".zgroup", ignored) || std::filesystem::exists(path / ".zarray", ignored)
-                  ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
-                  : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
+  const auto holds = [&](const char* name) {
+    std::error_code ignored;
+    return std::filesystem::symlink_status(path / name, ignored).type() != std::filesystem::file_type::not_found;
+  };
+  if (!holds(kMetadataName))
+    fail_no_store(path, holds(".zgroup") || holds(".zarray")
+                            ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
+                            : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
   StoreMetadata store;
   store.path = path;
-  const FileView top(path / kMetadataName);
+  const FileView top = metadata_in(path);
   const JsonView json = json_of(top);
   std::filesystem::path folder = path;
-  std::optional<Level> level;
+  Group group;
   if (need(json, "node_type").text() != "array") {
-    level = read_group(json);
-    folder /= level->array;
+    group = read_group(json);
+    store.levels = static_cast<int>(group.levels.size());
   }
-  const FileView file(folder / kMetadataName);
+  if (level < 0 || level >= store.levels)
+    throw Error(ErrorCode::usage, path.string() + ": there is no level " + std::to_string(level) + "; it has " +
+                                      (store.levels == 1 ? std::string("level 0 alone")
+                                                         : "levels 0 to " + std::to_string(store.levels - 1)));
+  std::optional<Level> found;
+  if (!group.levels.empty()) {
+    found = group.levels[static_cast<std::size_t>(level)];
+    folder /= found->array;
+  }
+  const FileView file = metadata_in(folder);
+  const JsonView array = json_of(file);
   store.distance = layout_in(file, folder, false);
-  if (read_attributes(file, json_of(file), level, store) && level) read_nearest(path, store);
+  if (group.own && !own_attributes(array))
+    file.fail("its attributes lack \"standoff\", which the store says that it has; write the store again");
+  if (read_attributes(file, array, found, store) && found) read_nearest(path, store);
   check(file, store);
   return store;
 }
@@ -503,7 +487,8 @@ namespace {
 bool is_of_store(const std::filesystem::path& name) {
   const auto first = name.begin();
   if (name == kMetadataName) return true;
-  if (*first != kDistanceName && *first != kNearestName) return false;
+  const std::string array = first->string();
+  if (array != kNearestName && array.find_first_not_of("0123456789") != std::string::npos) return false;
   auto part = std::next(first);
   if (part == name.end() || (*part == kMetadataName && std::next(part) == name.end())) return true;
   if (*part != "c") return false;
@@ -512,6 +497,18 @@ bool is_of_store(const std::filesystem::path& name) {
     const bool is_unfinished =
         text.starts_with(".standoff-") && text.ends_with(".part");  // of a writer that was killed
     return is_unfinished || text.find_first_not_of("0123456789") == std::string::npos;
+  });
+}
+
+bool is_own_array(const std::filesystem::path& folder) {
+  const FileView file = metadata_in(folder);
+  return own_attributes(json_of(file)).has_value();
+}
+
+// Whether the folders that are called as levels are ours.
+bool has_own_levels_alone(const std::filesystem::path& folder) {
+  return all_entries(folder, [&](const std::string_view name, bool) {
+    return name.find_first_not_of("0123456789") != std::string_view::npos || is_own_array(folder / name);
   });
 }
 
@@ -526,10 +523,8 @@ bool holds_a_store_alone(const std::filesystem::path& store, const std::filesyst
 }  // namespace
 
 bool is_own_store(const std::filesystem::path& path) try {
-  const FileView file(path / kDistanceName / kMetadataName);
-  const auto attributes = json_of(file).find("attributes");
-  return attributes && attributes->find("standoff") && std::filesystem::exists(path / kMetadataName) &&
-         holds_a_store_alone(path);
+  return is_own_array(path / kDistanceName) && std::filesystem::exists(path / kMetadataName) &&
+         holds_a_store_alone(path) && has_own_levels_alone(path);
 } catch (const Error& error) {
   if (error.code() != ErrorCode::input) throw;  // such as memory that runs out
   return false;

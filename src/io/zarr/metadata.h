@@ -14,8 +14,12 @@
 
 namespace standoff::zarr {
 
-/// The names in a store: of the array of distances, as OME-Zarr calls its first level, and of nearest triangles.
+/// The names in a store: of the array of distances, as OME-Zarr calls its first level (others are called by their
+/// numbers), and of nearest triangles.
 inline constexpr const char *kDistanceName = "0", *kNearestName = "nearest", *kMetadataName = "zarr.json";
+
+/// The most levels: those of 2^40 samples would end before.
+inline constexpr int kMostLevels = 32;
 
 /// The most bytes of a chunk, and the most chunks of a shard, that are read: what a thread holds, and an index.
 inline constexpr std::int64_t kMostChunkBytes = std::int64_t{1} << 28, kMostChunks = std::int64_t{1} << 20;
@@ -31,6 +35,7 @@ struct ArrayLayout {
   bool index_first = false;    ///< the index is at the file's beginning, else at its end
   bool x_fastest = true;       ///< within a chunk; z varies fastest otherwise
   bool blosc = true;           ///< chunks are compressed
+  bool checked = true;         ///< chunks end with their CRC-32C
   char separator = '/';        ///< between the numbers in a file's name
 
   std::int64_t chunk_bytes() const { return 4 * chunk.count(); }
@@ -45,7 +50,7 @@ struct StoredLayout : ArrayLayout {
   std::filesystem::path folder;
 };
 
-/// A store.
+/// A store, or one level of it.
 struct StoreMetadata {
   std::filesystem::path path;
   Grid grid;
@@ -53,20 +58,32 @@ struct StoreMetadata {
   Provenance provenance;
   StoredLayout distance;
   std::optional<StoredLayout> nearest;
+  int levels = 1;  ///< that the store lists: 0 is the field, each other one every second sample of the one before
 };
 
-/// The text of an array's zarr.json. `attributes`: more of it, JSON, or empty.
-std::string array_text(const ArrayLayout& layout, const std::string& attributes);
-/// The attributes of the array of distances: grid, thickness, provenance.
-std::string field_attributes(const StoreMetadata& store);
-/// The text of a store's own zarr.json.
+/// Level `number` of a store, as standoff writes it: every 2^number-th sample along each axis, without nearest
+/// triangles.
+StoreMetadata level_of(const StoreMetadata& store, int number);
+
+/// The texts of zarr.json: of the array of distances, with grid, thickness and provenance; of nearest triangles, which
+/// the store must have; and of the store itself, which lists its levels.
+std::string distance_text(const StoreMetadata& store);
+std::string nearest_text(const StoreMetadata& store);
 std::string group_text(const StoreMetadata& store);
+
+/// The most bytes of a zarr.json that is read.
+inline constexpr std::uint64_t kMostMetadataBytes = std::uint64_t{16} << 20;
+
+/// Opens a file of a store, without waiting for what is no regular file. A number below zero: there is none. `what` it
+/// is stands in messages. Errors: input.
+Descriptor open_stored(const std::filesystem::path& path, const char* what);
 
 /// Reads an array's zarr.json. Errors: input, as `FILE:WHERE: what; what to do`.
 ArrayLayout read_array(const FileView& file);
 
-/// Reads the metadata of a store, or of one array alone. Errors: input.
-StoreMetadata read_store(const std::filesystem::path& path);
+/// Reads the metadata of a level of a store, or of one array alone. Errors: input; usage (a level that it does not
+/// list).
+StoreMetadata read_store(const std::filesystem::path& path, int level = 0);
 
 /// What is_own_store() looks for, in messages.
 inline constexpr const char* kOwnStore = "a Zarr store of standoff";

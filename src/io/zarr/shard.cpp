@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/zarr/shard.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,17 +16,21 @@
 namespace standoff::zarr {
 namespace {
 
-constexpr std::array<std::uint32_t, 256> make_crc_table() {
+// Table t: what a byte becomes that t others follow, so that eight bytes are taken at once.
+using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
+constexpr CrcTables make_crc_tables() {
   constexpr std::uint32_t kPolynomial = 0x82f63b78;  // bits reversed
-  std::array<std::uint32_t, 256> table{};
+  CrcTables tables{};
   for (std::uint32_t n = 0; n < 256; ++n) {
     std::uint32_t crc = n;
     for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? kPolynomial : 0);
-    table[n] = crc;
+    tables[0][n] = crc;
   }
-  return table;
+  for (std::size_t t = 1; t < tables.size(); ++t)
+    for (std::size_t n = 0; n < 256; ++n) tables[t][n] = tables[t - 1][n] >> 8 ^ tables[0][tables[t - 1][n] & 0xff];
+  return tables;
 }
-constexpr std::array<std::uint32_t, 256> kCrcTable = make_crc_table();
+constexpr CrcTables kCrc = make_crc_tables();
 
 constexpr const char* kWriteAgain = "; the file is damaged, write the store again";
 
@@ -35,7 +38,14 @@ constexpr const char* kWriteAgain = "; the file is damaged, write the store agai
 
 std::uint32_t crc32c(std::span<const std::byte> bytes) {
   std::uint32_t crc = ~std::uint32_t{0};
-  for (const std::byte byte : bytes) crc = crc >> 8 ^ kCrcTable[(crc ^ static_cast<std::uint32_t>(byte)) & 0xff];
+  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
+    std::array<std::uint32_t, 2> words;
+    std::memcpy(words.data(), bytes.data(), sizeof words);
+    const std::uint32_t a = words[0] ^ crc, b = words[1];
+    crc = kCrc[7][a & 0xff] ^ kCrc[6][a >> 8 & 0xff] ^ kCrc[5][a >> 16 & 0xff] ^ kCrc[4][a >> 24] ^ kCrc[3][b & 0xff] ^
+          kCrc[2][b >> 8 & 0xff] ^ kCrc[1][b >> 16 & 0xff] ^ kCrc[0][b >> 24];
+  }
+  for (const std::byte byte : bytes) crc = crc >> 8 ^ kCrc[0][(crc ^ static_cast<std::uint32_t>(byte)) & 0xff];
   return ~crc;
 }
 
@@ -70,14 +80,7 @@ StoredShard::StoredShard(const StoredLayout& layout, const Size3& at)
   if (there_) read_index();
 }
 
-Descriptor StoredShard::open() const {
-  Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe would wait
-  if (file.number() < 0 && errno == ENOENT) return file;
-  struct stat about {};
-  if (file.number() < 0 || ::fstat(file.number(), &about) != 0) fail("", cannot_read(errno));
-  if (!S_ISREG(about.st_mode)) fail("", "it is no regular file, as shards are; write the store again");
-  return file;
-}
+Descriptor StoredShard::open() const { return open_stored(path_, "shards are"); }
 
 std::uint64_t StoredShard::size_of(const Descriptor& file) const {
   struct stat about {};
@@ -106,13 +109,21 @@ void StoredShard::read(const Size3& chunk, std::span<std::byte> out, UnpackedByt
   const std::uint64_t size = size_of(file);
   const ShardIndex::Entry entry = layout_->sharded ? index_[chunk] : ShardIndex::Entry{0, size};
   if (entry.offset > size || entry.bytes > size - entry.offset) fail_chunk("it reaches past the end of the file");
-  if (layout_->blosc ? entry.bytes > blosc_most(out.size()) : entry.bytes != out.size())
-    fail_chunk("it has " + std::to_string(entry.bytes) + " bytes, where " + std::to_string(out.size()) +
+  const std::uint64_t of_sum = layout_->checked ? kSumBytes : 0, content = entry.bytes - of_sum;
+  if (entry.bytes < of_sum || (layout_->blosc ? content > blosc_most(out.size()) : content != out.size()))
+    fail_chunk("it has " + std::to_string(entry.bytes) + " bytes, where " + std::to_string(out.size() + of_sum) +
                (layout_->blosc ? " unpacked ones never become so many" : " are needed"));
-  if (!layout_->blosc) return read_bytes(file, entry.offset, out);
-  if (!have_blosc()) fail("", std::string("its chunks are compressed by blosc, and ") + kWithoutBlosc);
-  const std::span bytes(reinterpret_cast<std::byte*>(packed.room(blosc_most(out.size()))), entry.bytes);
+  if (layout_->blosc && !have_blosc())
+    fail("", std::string("its chunks are compressed by blosc, and ") + kWithoutBlosc);
+  std::span<std::byte> bytes = out;
+  if (layout_->blosc) bytes = {reinterpret_cast<std::byte*>(packed.room(blosc_most(out.size()))), content};
   read_bytes(file, entry.offset, bytes);
+  if (layout_->checked) {
+    std::uint32_t sum = 0;
+    read_bytes(file, entry.offset + content, std::as_writable_bytes(std::span(&sum, 1)));
+    if (sum != crc32c(bytes)) fail_chunk("its checksum is wrong");
+  }
+  if (!layout_->blosc) return;
   if (const std::string wrong = blosc_unpack({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, out);
       !wrong.empty())
     fail_chunk(wrong);

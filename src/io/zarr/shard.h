@@ -14,8 +14,9 @@
 
 namespace standoff::zarr {
 
-/// CRC-32C (Castagnoli; RFC 3720), which ends an index.
+/// CRC-32C (Castagnoli; RFC 3720), which ends an index, and a chunk that is checked.
 std::uint32_t crc32c(std::span<const std::byte> bytes);
+inline constexpr std::uint64_t kSumBytes = sizeof(std::uint32_t);
 
 /// Where the chunks of a shard are in its file: two numbers for each, z fastest; then a checksum. All are little
 /// endian.
@@ -39,7 +40,7 @@ class ShardIndex {
   std::vector<std::byte> bytes() const;
   /// The bytes of the index of so many chunks.
   static std::uint64_t size_of(const Size3& chunks) {
-    return 16 * static_cast<std::uint64_t>(chunks.count()) + sizeof(std::uint32_t);
+    return 16 * static_cast<std::uint64_t>(chunks.count()) + kSumBytes;
   }
   /// Takes the entries of size_of() bytes; false if the checksum is another.
   bool read(std::span<const std::byte> bytes);

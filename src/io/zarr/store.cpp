@@ -8,6 +8,7 @@
 #include "files/atomic_folder.h"
 #include "io/zarr/metadata.h"
 #include "io/zarr/windows.h"
+#include "standoff/error.h"
 #include "standoff/zarr.h"
 
 namespace standoff {
@@ -15,6 +16,14 @@ namespace standoff {
 struct ZarrStore::Contents : zarr::StoreMetadata {
   explicit Contents(zarr::StoreMetadata metadata) : zarr::StoreMetadata(std::move(metadata)) {}
 };
+
+namespace {
+
+void check_threads(const ZarrWriteOptions& options) {
+  if (options.threads < 0) throw Error(ErrorCode::usage, "zarr: threads must be zero or more; give zero for all");
+}
+
+}  // namespace
 
 ZarrStore ZarrStore::create(const std::filesystem::path& path, const Grid& grid, double thickness,
                             const Provenance& provenance, const ZarrLayout& layout, Existing existing) try {
@@ -42,10 +51,57 @@ bool ZarrStore::has_nearest() const { return contents_->nearest.has_value(); }
 Size3 ZarrStore::shard() const { return contents_->distance.shard; }
 Size3 ZarrStore::chunk() const { return contents_->distance.chunk; }
 
-void ZarrStore::write(Size3 first, const DistanceField& window, const ZarrWriteOptions& options) const try {
-  if (options.threads < 0) throw Error(ErrorCode::usage, "zarr: threads must be zero or more; give zero for all");
+int ZarrStore::levels() const { return contents_->levels; }
+
+ZarrStore ZarrStore::level(int number) const try {
+  return ZarrStore(std::make_shared<const Contents>(zarr::read_store(path(), number)));
+} catch (...) {
+  throw_as_error("zarr");
+}
+
+ZarrStore ZarrStore::write_levels(int levels, const ZarrWriteOptions& options) const try {
+  begin_levels(levels);
+  for (int number = 1; number < levels; ++number)
+    write_level(number, {}, zarr::level_of(*contents_, number).grid.size, options);
+  end_levels(levels);
+  return level(0);
+} catch (...) {
+  throw_as_error("zarr");
+}
+
+void ZarrStore::begin_levels(int levels) const try {
+  zarr::check_levels(*contents_, levels);
+  zarr::begin_levels(*contents_, levels);
+} catch (...) {
+  throw_as_error("zarr");
+}
+
+void ZarrStore::write_level(int number, Size3 first, Size3 size, const ZarrWriteOptions& options) const try {
+  check_threads(options);
+  zarr::check_levels(*contents_, number + 1);
+  if (number < 1) throw Error(ErrorCode::usage, "zarr: level 0 is written by write(); give 1 or more");
+  const zarr::StoreMetadata level = zarr::level_of(*contents_, number);
+  zarr::check_shards(level, first, size);
   ProgressMeter meter(options.progress);
-  zarr::write_window(*contents_, first, window, options.threads, meter);
+  zarr::write_level(*contents_, number, {first, zarr::plus(first, size)}, true, options.threads, meter);
+  meter.stage("done", 1, 1, 1);
+} catch (...) {
+  throw_as_error("zarr");
+}
+
+void ZarrStore::end_levels(int levels) const try {
+  zarr::check_levels(*contents_, levels);
+  zarr::end_levels(*contents_, levels);
+} catch (...) {
+  throw_as_error("zarr");
+}
+
+void ZarrStore::write(Size3 first, const DistanceField& window, const ZarrWriteOptions& options) const try {
+  check_threads(options);
+  ProgressMeter meter(options.progress);
+  // Levels would no longer be those of the field: it has none until they are written again.
+  if (levels() > 1 && contents_->distance.folder == path() / zarr::kDistanceName) zarr::end_levels(*contents_, 1);
+  zarr::write_window(*contents_, first, window, true, options.threads, meter);
   meter.stage("done", 1, 1, 1);
 } catch (...) {
   throw_as_error("zarr");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/zarr/metadata.h"
+#include "io/zarr/parts.h"
 #include "io/zarr/shard.h"
 #include "standoff/field.h"
 #include "standoff/zarr.h"
@@ -28,9 +29,27 @@ StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, d
 void write_metadata(const StoreMetadata& store, const std::filesystem::path& folder,
                     const std::filesystem::path& shown);
 
-/// Writes the shards of a window whose first sample is `first`: see ZarrStore::write.
-void write_window(const StoreMetadata& store, const Size3& first, const DistanceField& window, int threads,
+/// Throws Error{usage} unless a part of the grid is whole shards.
+void check_shards(const StoreMetadata& store, const Size3& first, const Size3& part);
+
+/// Makes a folder and those it is in. `shown` stands in messages. Errors: output.
+void make_folder(const std::filesystem::path& folder, const std::filesystem::path& shown);
+
+/// Writes the shards of a window whose first sample is `first`: see ZarrStore::write. `sync`: each waits for the disk.
+void write_window(const StoreMetadata& store, const Size3& first, const DistanceField& window, bool sync, int threads,
                   ProgressMeter& meter);
+
+/// Throws Error{usage} unless a store, level 0 of it, may have so many levels.
+void check_levels(const StoreMetadata& store, int levels);
+/// Makes the arrays of levels 1 to `levels` - 1 without samples; shards that they have stay. The store lists level 0
+/// alone until end_levels(). Errors: output.
+void begin_levels(const StoreMetadata& store, int levels);
+/// Writes the shards of a part of level `number`, at least 1, out of the one before. Errors: as read_window,
+/// write_window.
+void write_level(const StoreMetadata& store, int number, const Window& part, bool sync, int threads,
+                 ProgressMeter& meter);
+/// Lists so many levels. Errors: output.
+void end_levels(const StoreMetadata& store, int levels);
 
 /// Writes all shards of a store in ascending z, a layer of chunks after the other, into a folder that nobody else
 /// knows: chunks are appended to the files of their shards, so that no more than the chunks of some shards' layers is

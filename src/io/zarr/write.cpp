@@ -101,7 +101,12 @@ Packed packed_chunk(const ArrayLayout& layout, const ChunkGatherer& from, const 
   const KeptByThread<std::vector<std::uint32_t>> chunk;
   if (!from.gather(first, *chunk)) return {};
   const auto bytes = std::as_bytes(std::span(*chunk));
-  return layout.blosc ? blosc_packed(bytes) : Packed(bytes.begin(), bytes.end());
+  Packed packed = layout.blosc ? blosc_packed(bytes) : Packed(bytes.begin(), bytes.end());
+  if (!layout.checked) return packed;
+  const std::uint32_t sum = crc32c(packed);
+  const auto end = std::as_bytes(std::span(&sum, 1));
+  packed.insert(packed.end(), end.begin(), end.end());
+  return packed;
 }
 
 // Packs `count` chunks on all threads, each by pack(n). While it waits, a thread takes up none of the other shards:
@@ -131,12 +136,6 @@ std::vector<const StoredLayout*> layouts_of(const StoreMetadata& store) {
   return layouts;
 }
 
-void make_folder(const std::filesystem::path& folder, const std::filesystem::path& shown) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) fail_to_write(shown, error.value(), folder.parent_path());
-}
-
 // Of files that nobody else knows yet.
 void append(const std::filesystem::path& path, std::span<const std::byte> bytes, const std::filesystem::path& shown) {
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
@@ -150,7 +149,8 @@ void append(const std::filesystem::path& path, std::span<const std::byte> bytes,
 }
 
 // All of a shard, whose first sample is `first` of the window.
-void write_shard(const StoredLayout& layout, const Size3& shard, const DistanceField& window, const Size3& first) {
+void write_shard(const StoredLayout& layout, const Size3& shard, const DistanceField& window, const Size3& first,
+                 bool sync) {
   const Size3 parts = layout.chunks();
   const ChunkGatherer from(layout, window);
   const std::vector<Packed> packed = pack_all(static_cast<std::size_t>(parts.count()), [&](std::size_t n) {
@@ -168,6 +168,7 @@ void write_shard(const StoredLayout& layout, const Size3& shard, const DistanceF
   }
   make_folder(path.parent_path(), path);
   AtomicFile file(path);
+  if (!sync) file.leave_to_system();
   for (const Packed& chunk : packed) file.write(chunk.data(), chunk.size());
   const std::vector<std::byte> end = index.bytes();
   file.write(end.data(), end.size());
@@ -185,18 +186,7 @@ void check_layout(const StoredLayout& layout, double thickness) {
 void check_window(const StoreMetadata& store, const Size3& first, const DistanceField& window) {
   check_layout(store.distance, store.thickness);
   const Grid &whole = store.grid, &part = window.grid();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t shard = store.distance.shard[axis], size = whole.size[axis], from = first[axis];
-    const std::string along = std::string("along ") + "xyz"[axis] + " the window ";
-    if (from < 0 || from >= size || part.size[axis] > size - from)
-      refuse(along + "from sample " + std::to_string(from) + " on, of " + std::to_string(part.size[axis]) +
-             " samples, is not within the grid's " + std::to_string(size) + "; give a part of the grid");
-    const std::int64_t end = from + part.size[axis];
-    if (from % shard != 0 || (end % shard != 0 && end != size))
-      refuse(along + "is from sample " + std::to_string(from) + " to " + std::to_string(end) +
-             ", and would write a part of a shard, of " + std::to_string(shard) +
-             " samples, that another writer may write too; give whole shards");
-  }
+  check_shards(store, first, part.size);
   if (part.spacing != whole.spacing) refuse("the window's spacing is not that of the store; give a part of its field");
   const Vec3 off = part.corner() - whole.position(first.x, first.y, first.z);
   constexpr double kSlack = 1e-3;  // of a spacing: where samples are is rounded, and a wrong place is one off or more
@@ -212,6 +202,27 @@ void check_window(const StoreMetadata& store, const Size3& first, const Distance
 }
 
 }  // namespace
+
+void make_folder(const std::filesystem::path& folder, const std::filesystem::path& shown) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) fail_to_write(shown, error.value(), folder.parent_path());
+}
+
+void check_shards(const StoreMetadata& store, const Size3& first, const Size3& part) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t shard = store.distance.shard[axis], size = store.grid.size[axis], from = first[axis];
+    const std::string along = std::string("along ") + "xyz"[axis] + " the window ";
+    if (from < 0 || from >= size || part[axis] < 1 || part[axis] > size - from)
+      refuse(along + "from sample " + std::to_string(from) + " on, of " + std::to_string(part[axis]) +
+             " samples, is not within the grid's " + std::to_string(size) + "; give a part of the grid");
+    const std::int64_t end = from + part[axis];
+    if (from % shard != 0 || (end % shard != 0 && end != size))
+      refuse(along + "is from sample " + std::to_string(from) + " to " + std::to_string(end) +
+             ", and would write a part of a shard, of " + std::to_string(shard) +
+             " samples, that another writer may write too; give whole shards");
+  }
+}
 
 void check_writable(const Grid& grid, double thickness, const ZarrLayout& layout) {
   validate(grid);
@@ -240,7 +251,7 @@ StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, d
   array.fill = std::bit_cast<std::uint32_t>(static_cast<float>(thickness));
   // A window of a grid becomes a grid of its own.
   const Grid own{grid.size, grid.corner(), grid.spacing};
-  StoreMetadata store{path, own, thickness, provenance, {array, path / kDistanceName}, {}};
+  StoreMetadata store{path, own, thickness, provenance, {array, path / kDistanceName}, {}, 1};
   array.whole_numbers = true;
   array.fill = kNoTriangle;
   if (layout.nearest) store.nearest = StoredLayout{array, path / kNearestName};
@@ -253,12 +264,12 @@ void write_metadata(const StoreMetadata& store, const std::filesystem::path& fol
     make_folder(folder / name, shown);
     append(folder / name / kMetadataName, std::as_bytes(std::span(text)), shown);
   };
-  write(kDistanceName, array_text(store.distance, field_attributes(store)));
-  if (store.nearest) write(kNearestName, array_text(*store.nearest, ""));
+  write(kDistanceName, distance_text(store));
+  if (store.nearest) write(kNearestName, nearest_text(store));
   write(".", group_text(store));
 }
 
-void write_window(const StoreMetadata& store, const Size3& first, const DistanceField& window, int threads,
+void write_window(const StoreMetadata& store, const Size3& first, const DistanceField& window, bool sync, int threads,
                   ProgressMeter& meter) {
   check_window(store, first, window);
   const Size3 shard = store.distance.shard, shards = parts_of(window.grid().size, shard);
@@ -270,7 +281,7 @@ void write_window(const StoreMetadata& store, const Size3& first, const Distance
     tbb::parallel_for(std::size_t{0}, count * layouts.size(), [&](std::size_t n) {
       meter.check();
       const Size3 at = part_at(n % count, shards);
-      write_shard(*layouts[n / count], plus(begin, at), window, times(at, shard));
+      write_shard(*layouts[n / count], plus(begin, at), window, times(at, shard), sync);
       meter.advance();
     });
   });

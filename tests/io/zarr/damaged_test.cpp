@@ -3,7 +3,10 @@
 // labels: memory
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <random>
 #include <vector>
@@ -27,6 +30,10 @@ class DamagedZarr : public ::testing::Test {
     const DistanceField field = odd_field(grid, 9000);
     ZarrStore::create(path, grid, 9000, {}, {.shard = {16, 16, 16}, .chunk = {8, 16, 8}, .compress = compress})
         .write({}, field);
+    // Without their checksum, so that changes are refused for what they are.
+    with_sum = read_bytes(array);
+    const auto sum = with_sum.find(R"(, "metadata_crc32c")");
+    write_bytes(array, with_sum.substr(0, sum) + with_sum.substr(with_sum.find("}", sum)));
   }
   void expect_refused(const std::filesystem::path& file, const std::string& words) const {
     expect_error([&] { read_field(path); }, ErrorCode::input, words);
@@ -44,6 +51,13 @@ class DamagedZarr : public ::testing::Test {
     expect_refused(file, words);
     write_bytes(file, good);
   }
+  // Makes of it a store whose chunks have no checksums, as standoff wrote them before and others do.
+  void unchecked() const {
+    std::string text = read_bytes(array);
+    const std::string codec = R"(, {"name": "crc32c"})";
+    write_bytes(array, text.erase(text.find(codec), codec.size()));
+    ZarrStore::open(path).write({}, odd_field(grid, 9000));
+  }
   // The index of the shard, changed, with its checksum made good.
   std::string with_entry(const Size3& chunk, std::uint64_t offset, std::uint64_t bytes) const {
     std::string file = read_bytes(shard);
@@ -57,6 +71,7 @@ class DamagedZarr : public ::testing::Test {
   }
 
   const TempFolder folder;
+  std::string with_sum;  // the array's metadata
   const Grid grid{{16, 9, 16}, {-1, 2, 3}, {0.5, 0.25, 2}};
   const std::filesystem::path path = folder / "a.zarr", group = path / "zarr.json", array = path / "0" / "zarr.json",
                               shard = path / "0" / "c" / "0" / "0" / "0";
@@ -122,8 +137,10 @@ TEST_F(DamagedZarr, Arrays) {
            {"[8, 16, 8]", "[8, 16, 6]", "a shard is no multiple of its chunks"},
            {"[8, 16, 8]", "[1000000000000, 16, 8]", "a shard is no multiple of its chunks"},
            {"\"index_location\": \"end\"", "\"index_location\": \"middle\"", "an index is at \"start\" or \"end\""},
-           {"{\"name\": \"crc32c\"}", "{\"name\": \"gzip\"}", "the index of a shard is read of bytes"},
-           {", {\"name\": \"crc32c\"}", "", "the index of a shard is read of bytes"},
+           {"{\"name\": \"crc32c\"}], \"index_location", "{\"name\": \"gzip\"}], \"index_location",
+            "the index of a shard is read of bytes"},
+           {", {\"name\": \"crc32c\"}], \"index_location", "], \"index_location",
+            "the index of a shard is read of bytes"},
            {"\"format\": 1", "\"format\": 2", "the store is of format 2, and format 1 is read; get a newer standoff"},
            {"\"origin\"", "\"orgin\"", "it lacks \"origin\""},
            {"\"spacing\": [0.5", "\"spacing\": [-0.5",
@@ -195,17 +212,17 @@ TEST_F(DamagedZarr, Indices) {
   }
   // Within the file, but not a chunk.
   write_bytes(shard, with_entry({0, 0, 1}, 0, 0));
-  expect_refused(shard, "chunk (0,0,1): its blosc header is damaged");
+  expect_refused(shard, "chunk (0,0,1): it has 0 bytes");
   write_bytes(shard, good);
   write_bytes(shard, with_entry({0, 0, 1}, 3, 60));
-  expect_refused(shard, "chunk (0,0,1): its blosc header");
+  expect_refused(shard, "chunk (0,0,1): its checksum is wrong");
 }
 
 TEST_F(DamagedZarr, ChunksOfAnotherLength) {
   write(false);
   const std::string good = read_bytes(shard);
-  write_bytes(shard, with_entry({1, 0, 0}, 0, 4092));
-  expect_refused(shard, "chunk (1,0,0): it has 4092 bytes, where 4096 are needed");
+  write_bytes(shard, with_entry({1, 0, 0}, 0, 8192));
+  expect_refused(shard, "chunk (1,0,0): it has 8192 bytes, where 4100 are needed");
   write_bytes(shard, good);
   write_bytes(shard, with_entry({1, 0, 0}, ~std::uint64_t{0}, ~std::uint64_t{0}));
   EXPECT_NO_THROW(read_field(path)) << "a chunk that is not stored";
@@ -213,6 +230,7 @@ TEST_F(DamagedZarr, ChunksOfAnotherLength) {
 
 // The header of a chunk says how long it is and how long it becomes: blosc would believe it.
 TEST_F(DamagedZarr, BloscHeaders) {
+  unchecked();
   const std::string good = read_bytes(shard);
   const auto with = [&](std::size_t at, std::uint32_t number) {
     std::string bad = good;
@@ -230,6 +248,7 @@ TEST_F(DamagedZarr, BloscHeaders) {
 
 TEST_F(DamagedZarr, ValuesThatNoFieldHas) {
   write(false);
+  unchecked();
   const std::string good = read_bytes(shard);
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), 9000.5f, -std::numeric_limits<float>::infinity()}) {
     std::string bytes = good;
@@ -237,6 +256,106 @@ TEST_F(DamagedZarr, ValuesThatNoFieldHas) {
     write_bytes(shard, bytes);
     expect_error([&] { read_field(path); }, ErrorCode::input, "0:sample (3,2,5): the value ");
   }
+}
+
+TEST_F(DamagedZarr, ChunksWithoutChecksumsAreReadAndWritten) {
+  const std::string checked = read_bytes(shard);
+  unchecked();
+  EXPECT_EQ(read_bytes(shard).size() + 4 * std::size_t{4}, checked.size()) << "four chunks";
+  const DistanceField field = read_field(path);
+  EXPECT_TRUE(field.to_dense() == odd_field(grid, 9000).to_dense());
+}
+
+// Bits of every file: an error that names the file, or the same field. Of a shard always an error.
+TEST_F(DamagedZarr, NoBitIsFlippedUnseen) {
+  for (const bool compress : {true, false}) {
+    write(compress);
+    write_bytes(array, with_sum);
+    const DistanceField right = read_field(path);
+    for (const auto& file : {group, array, shard}) {
+      const std::string good = read_bytes(file);
+      int same = 0;
+      const std::size_t step = good.size() > 8192 ? 1009 : 61;  // the whole takes a minute
+      for (std::size_t bit = 0; bit < 8 * good.size(); bit += step) {
+        std::string bytes = good;
+        bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << bit % 8));
+        write_bytes(file, bytes);
+        try {
+          const DistanceField field = read_field(path);
+          ++same;
+          ASSERT_TRUE(field.grid() == right.grid() && field.thickness() == right.thickness() &&
+                      field.to_dense() == right.to_dense())
+              << file << " bit " << bit;
+        } catch (const Error& error) {
+          ASSERT_EQ(error.code(), ErrorCode::input) << error.what();
+          const std::string text = error.what();
+          ASSERT_TRUE(file != shard || text.starts_with(shard.string() + ":chunk (") ||
+                      text.starts_with(shard.string() + ":index"))
+              << text;
+        }
+      }
+      EXPECT_TRUE(same == 0 || file != shard) << same;
+      write_bytes(file, good);
+    }
+  }
+}
+
+TEST_F(DamagedZarr, ChangedMetadata) {
+  write_bytes(array, with_sum);
+  expect_change_refused(array, "\"shape\": [16, 9, 16]", "\"shape\": [16, 8, 16]",
+                        "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"separator\": \"/\"", "\"separator\": \".\"",
+                        "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"fill_value\": 9000", "\"fill_value\": 900",
+                        "it is not the checksum of this metadata");
+  expect_change_refused(array, "\"attributes\": {\"standoff\"", "\"attributes\": {\"standofg\"",
+                        "its attributes lack \"standoff\"");
+  const std::string good = read_bytes(group);
+  std::string bad = good;
+  write_bytes(group, bad.replace(bad.find("[0.5, "), 6, "[0.6, "));
+  expect_refused(group, "scale and translation of '0' are not the spacing and origin");
+  // Spaces, and the order of members, mean nothing: other programs write them anew.
+  write_bytes(group, good);
+  std::string spaced;
+  for (const char c : with_sum) spaced += c == ',' ? std::string(" ,\n") : std::string(1, c);
+  write_bytes(array, spaced);
+  EXPECT_EQ(read_field(path).grid(), grid);
+}
+
+// What is no regular file is never waited for, and never read.
+TEST_F(DamagedZarr, PipesFoldersAndLinks) {
+  for (const auto& file : {group, array, shard}) {
+    const std::string good = read_bytes(file);
+    std::filesystem::remove(file);
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    expect_refused(file, "it is no regular file");
+    std::filesystem::remove(file);
+    std::filesystem::create_directory(file);
+    expect_refused(file, "it is no regular file");
+    std::filesystem::remove(file);
+    std::filesystem::create_symlink("/dev/zero", file);
+    expect_refused(file, "it is no regular file");
+    std::filesystem::remove(file);
+    std::filesystem::create_symlink("nowhere", file);
+    expect_refused(file, "it is a link to what is not there");
+    std::filesystem::remove(file);
+    write_bytes(file, good);
+  }
+  for (const auto& file : {group, array}) {
+    const std::string good = read_bytes(file);
+    std::filesystem::resize_file(file, (std::uintmax_t{16} << 20) + 1);
+    expect_refused(file, "it has more than 16 MiB");
+    write_bytes(file, good);
+  }
+  std::filesystem::remove_all(path / "0" / "c" / "0");
+  write_bytes(path / "0" / "c" / "0", "");
+  expect_refused(shard, "a file is where its folder should be");
+}
+
+TEST_F(DamagedZarr, ArraysAlone) {
+  EXPECT_EQ(read_field(path / "0").grid(), grid);
+  EXPECT_EQ(read_field(path / "0" / "").grid(), grid);
+  expect_error([&] { read_field(path / "1"); }, ErrorCode::input, "the name has no extension");
 }
 
 // Random bytes in random places: an error or a field, nothing else.

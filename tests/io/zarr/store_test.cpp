@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <thread>
 #include <vector>
@@ -308,6 +309,94 @@ TEST(ZarrStore, LayoutsThatCannotBeAreRefused) {
   expect_error([&] { ZarrStore::create(folder / "a.zarr", grid, 0); }, ErrorCode::usage, "the thickness must be");
   expect_error([&] { ZarrStore::create(folder / "no/a.zarr", grid, 1); }, ErrorCode::output, "does not exist; create");
   EXPECT_TRUE(folder.names().empty());
+}
+
+// All files of a folder, by name.
+std::map<std::string, std::string> files_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = read_bytes(entry.path());
+  return files;
+}
+
+void expect_levels(const ZarrStore& store, const DistanceField& field, int levels) {
+  ASSERT_EQ(store.levels(), levels);
+  for (int number = 0; number < levels; ++number) {
+    SCOPED_TRACE(number);
+    const DistanceField level = store.level(number).read();
+    const std::int64_t step = std::int64_t{1} << number;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      ASSERT_EQ(level.grid().size[axis], (field.grid().size[axis] + step - 1) / step);
+    const Size3 size = level.grid().size;
+    for (std::int64_t k = 0; k < size.z; ++k)
+      for (std::int64_t j = 0; j < size.y; ++j)
+        for (std::int64_t i = 0; i < size.x; ++i) {
+          ASSERT_EQ(level.value(i, j, k), field.value(step * i, step * j, step * k));
+          ASSERT_EQ(level.grid().position(i, j, k), field.grid().position(step * i, step * j, step * k));
+        }
+    EXPECT_EQ(level.provenance().sign, field.provenance().sign);
+    EXPECT_EQ(level.thickness(), field.thickness());
+  }
+}
+
+// A level has the values that the field has at its samples, and the same bytes however it was written.
+TEST(ZarrStore, LevelsAreEverySecondSample) {
+  const TempFolder folder;
+  const DistanceField field = ball(true);
+  ZarrLayout layout = small(true);
+  const Size3 shard = layout.shard;
+  const ZarrStore whole = store_for(folder / "a.zarr", field, layout);
+  whole.write({}, field);
+  expect_levels(whole.write_levels(4, {.threads = 1}), field, 4);
+  EXPECT_FALSE(ZarrStore::open(folder / "a.zarr").level(1).has_nearest());
+  EXPECT_TRUE(ZarrStore::open(folder / "a.zarr").has_nearest());
+
+  // By parts, in another order, one of them twice; read before the end there are none.
+  const ZarrStore parts = store_for(folder / "b.zarr", field, layout);
+  parts.write({}, field);
+  parts.begin_levels(4);
+  for (int number = 1; number < 4; ++number) {
+    Size3 size = field.grid().size;
+    for (int n = 0; n < number; ++n) size = {(size.x + 1) / 2, (size.y + 1) / 2, (size.z + 1) / 2};
+    for (std::int64_t z = (size.z - 1) / shard.z; z >= 0; --z)
+      for (std::int64_t y = 0; y < size.y; y += shard.y)
+        for (std::int64_t x = 0; x < size.x; x += shard.x) {
+          const Size3 first{x, y, z * shard.z};
+          const Size3 part{std::min(shard.x, size.x - x), std::min(shard.y, size.y - y),
+                           std::min(shard.z, size.z - first.z)};
+          parts.write_level(number, first, part);
+          if (x == 0) parts.write_level(number, first, part);
+        }
+  }
+  EXPECT_EQ(ZarrStore::open(folder / "b.zarr").levels(), 1);
+  parts.end_levels(4);
+  EXPECT_EQ(files_of(folder / "b.zarr"), files_of(folder / "a.zarr"));
+
+  // write_field makes them, too; and a store with them is replaced.
+  for (int turn = 0; turn < 2; ++turn) {
+    write_field(folder / "c.zarr", field, {.levels = 3});
+    expect_levels(ZarrStore::open(folder / "c.zarr"), field, 3);
+  }
+  // Other samples: the levels are no longer its levels.
+  ZarrStore::open(folder / "a.zarr").write({}, field);
+  EXPECT_EQ(ZarrStore::open(folder / "a.zarr").levels(), 1);
+}
+
+TEST(ZarrStore, LevelsThatThereAreNot) {
+  const TempFolder folder;
+  const DistanceField field = odd_field({{5, 3, 1}, {}, {1, 1, 1}}, 9);
+  const ZarrStore store = store_for(folder / "a.zarr", field, {});
+  store.write({}, field);
+  expect_error([&] { store.level(1); }, ErrorCode::usage, "there is no level 1; it has level 0 alone");
+  expect_error([&] { store.write_levels(5); }, ErrorCode::usage, "5 levels; of this grid give 1 to 4");
+  expect_error([&] { store.write_levels(0); }, ErrorCode::usage, "of this grid give 1 to 4");
+  const ZarrStore levels = store.write_levels(4);
+  EXPECT_EQ(levels.level(3).grid().size, (Size3{1, 1, 1}));
+  expect_error([&] { levels.level(-1); }, ErrorCode::usage, "it has levels 0 to 3");
+  expect_error([&] { levels.level(1).write_levels(2); }, ErrorCode::usage, "levels are made of level 0");
+  expect_error([&] { store.write_level(0, {}, {5, 3, 1}); }, ErrorCode::usage, "level 0 is written by write()");
+  expect_error([&] { store.write_level(1, {1, 0, 0}, {2, 2, 1}); }, ErrorCode::usage, "give whole shards");
+  expect_error([&] { write_field(folder / "a.vti", field, {.levels = 2}); }, ErrorCode::usage, ".vti has no levels");
 }
 
 TEST(ZarrStore, ReplacesStoresOfOursAlone) {
