@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -31,6 +32,9 @@ class FieldOptions {
   /// The grid for a mesh with those bounds, and the thickness of its band. Sets the shell's thickness in world units.
   /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
   GridChoice choose_grid(const std::string& name, const Box& box);
+
+  /// The samples of the grid, where no mesh is needed to know them. Errors: usage.
+  std::optional<Size3> known_size() const { return grid_.known_size(); }
 
   /// The memory limit in bytes; the largest number where there is none.
   std::int64_t memory_limit() const;

@@ -141,6 +141,11 @@ double tiles_at_once(const Plan& plan) { return static_cast<double>(tile_count(p
 // choice.
 constexpr std::int64_t kCrossingBytesInWindows = std::int64_t{32} << 20;
 
+// Whether the sign is decided by a diagnosis.
+bool is_diagnosed(MeshView mesh, const ComputeOptions& options) {
+  return options.decision.empty() && needs_diagnosis(mesh, options.sign);
+}
+
 // Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
  public:
@@ -231,7 +236,7 @@ std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
   const double tiles = scan_mesh(mesh, plan, !plan.is_dense).tiles;
-  return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
+  return bytes_needed(plan, tiles, is_diagnosed(mesh, options));
 }
 
 std::int64_t crossing_bytes(const Plan& plan) {
@@ -240,7 +245,7 @@ std::int64_t crossing_bytes(const Plan& plan) {
 }
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
-  const bool diagnosed = needs_diagnosis(mesh, options.sign);
+  const bool diagnosed = is_diagnosed(mesh, options);
   const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, tiles, diagnosed);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
@@ -262,7 +267,7 @@ MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const G
   const Plan whole = plan_of(false, {});
   const double tiles =
       mesh ? std::min(scan_mesh(*mesh, whole, true).tiles, tiles_at_once(whole)) : tiles_at_once(whole);
-  const bool diagnosed = mesh ? needs_diagnosis(*mesh, options.sign) : whole.with_sign;
+  const bool diagnosed = mesh ? is_diagnosed(*mesh, options) : whole.with_sign;
   const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, tiles, diagnosed); };
   return {.whole = bytes(whole),
           .dense = bytes(plan_of(true, {})),

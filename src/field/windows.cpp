@@ -170,7 +170,7 @@ FieldInWindows::~FieldInWindows() = default;
 void FieldInWindows::prepare() {
   job_.emplace(computation_.job());
   Stopwatch watch;
-  if (options_.hash_mesh) hash_ = content_hash(computation_.mesh());
+  if (options_.hash_mesh) hash_ = computation_.mesh_hash();
   parts_.emplace(job_->mesh, job_->kept, job_->progress);
   if (plan().row->in_windows) gather_ = plan().row->in_windows(*job_);
   if (!gather_) gather_ = std::make_unique<JobsOfWindows>(*job_, *plan().row, *parts_);
@@ -352,6 +352,12 @@ const Grid& WindowComputation::grid() const { return work_->plan().grid; }
 double WindowComputation::thickness() const { return work_->plan().field_thickness; }
 bool WindowComputation::has_nearest() const { return work_->has_nearest(); }
 bool WindowComputation::is_whole() const { return !work_->plan().in_windows; }
+SignDecision WindowComputation::decision() const try {
+  return work_->decision();
+} catch (...) {
+  throw_as_error("compute");
+}
+
 const ComputeReport& WindowComputation::report() const { return work_->report(); }
 
 void WindowComputation::compute(const Size3& first, const Size3& size, DistanceField& field) try {

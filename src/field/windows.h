@@ -29,6 +29,7 @@ class FieldInWindows {
   ProgressMeter& progress() { return computation_.progress(); }
   const ComputeReport& report() const { return report_; }
   bool has_nearest() const { return options_.nearest; }
+  SignDecision decision() { return computation_.threads().run([&] { return computation_.decision(); }); }
 
   void compute(const Size3& first, const Size3& size, DistanceField& field);
   bool is_reached(const Size3& first, const Size3& size) const;

@@ -17,7 +17,7 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
 
-namespace standoff::testing {
+namespace standoff::testing::of_windows {
 namespace {
 
 // Far from the origin, so that any other way to compute a position has other bits.
@@ -262,4 +262,4 @@ TEST(Windows, OfGridsLargerThanMemory) {
 }
 
 }  // namespace
-}  // namespace standoff::testing
+}  // namespace standoff::testing::of_windows
