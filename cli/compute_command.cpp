@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -333,6 +334,7 @@ struct ComputeCommand {
   Outcome write_or_fetch(const Plan& plan);
   Outcome write_in_slabs(const Plan& plan);
   void check_decision() const;
+  WindowComputation decided_windows(const Plan& plan);
   ComputeResult compute_window(const Plan& plan);
   Outcome write_whole(const Plan& plan);
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& computed) const;
@@ -499,26 +501,33 @@ void ComputeCommand::check_decision() const {
   output.beside(*decision).check_differs(mesh.name());
 }
 
-// The decision of a file; nothing if there is none.
-SignDecision read_decision(const std::filesystem::path& path) {
+// Windows by the decision of a file, which is written if there is none.
+WindowComputation ComputeCommand::decided_windows(const Plan& plan) {
+  const auto make = [&] {
+    return WindowComputation(plan.mesh, plan.choice.grid, plan.choice.thickness, plan.window->size, options);
+  };
+  if (!decision) return make();
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return {};
-  const std::string bytes = read_text(path);
+  if (!std::filesystem::exists(*decision, ignored)) {
+    WindowComputation windows = make();
+    const std::vector<std::byte> bytes = windows.decision().bytes();
+    write_text(*decision, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return windows;
+  }
+  const std::string bytes = read_text(*decision);
   try {
-    return SignDecision::from_bytes(std::as_bytes(std::span(bytes)));
+    options.decision = SignDecision::from_bytes(std::as_bytes(std::span(bytes)));
+    return make();
   } catch (const Error& error) {
-    throw Error(error.code(), path.string() + ": " + error.what());
+    const std::string_view words = error.what();
+    if (words.find("sign decision") == words.npos) throw;
+    throw Error(error.code(), decision->string() + ": " + error.what());
   }
 }
 
 ComputeResult ComputeCommand::compute_window(const Plan& plan) {
   const auto& [first, size] = *plan.window;
-  if (decision) options.decision = read_decision(*decision);
-  WindowComputation windows(plan.mesh, plan.choice.grid, plan.choice.thickness, size, options);
-  if (decision && options.decision.empty()) {
-    const std::vector<std::byte> bytes = windows.decision().bytes();
-    write_text(*decision, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  }
+  WindowComputation windows = decided_windows(plan);
   ComputeResult made;
   windows.compute(first, size, made.field);
   made.report = windows.report();

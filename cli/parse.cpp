@@ -139,8 +139,8 @@ WindowText parse_window(const std::string& option, const std::string& text) {
     const auto value = whole_text<std::int64_t>(v[n]);
     if (!value || *value < least || *value > kMost)
       reject(option, text,
-             std::string(kNames[n]) + " is '" + v[n] + "': " + (n < 3 ? "the first sample" : "the samples") +
-                 " along " + "xyz"[n % 3] + "; give a whole number from " + grouped(least) + " to " + grouped(kMost));
+             std::string(kNames[n]) + ", " + (n < 3 ? "the first sample" : "the samples") + " along " + "xyz"[n % 3] +
+                 ", is '" + v[n] + "'; give a whole number from " + grouped(least) + " to " + grouped(kMost));
     return *value;
   };
   return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
