@@ -41,8 +41,10 @@ class Windows {
     return nb::make_tuple(std::move(made), computation_dict(done, seconds));
   }
 
-  bool is_reached(const Counts& first, const Counts& size) const {
-    return windows_->is_reached(size_of(first), size_of(size));
+  bool is_reached(const Counts& first, const Counts& size) {
+    bool reached = false;
+    watched_call(nb::none(), [&] { reached = windows_->is_reached(size_of(first), size_of(size)); });
+    return reached;
   }
   bool is_empty(const Counts& first, const Counts& size) {
     bool empty = false;
@@ -53,7 +55,7 @@ class Windows {
   nb::bytes decision() {
     std::vector<std::byte> bytes;
     watched_call(nb::none(), [&] { bytes = windows_->decision().bytes(); });
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    return nb::bytes(bytes.data(), bytes.size());
   }
   nb::dict sign() const { return sign_dict(windows_->report().sign); }
   const Provenance& provenance() const { return windows_->report().provenance; }
@@ -92,8 +94,8 @@ void add_windows(nb::module_& m) {
              const std::string& device, std::int64_t memory_limit, const std::optional<nb::bytes>& decision) {
             ComputeOptions options = compute_options(sign, method, nearest, threads, device, memory_limit);
             if (decision)
-              options.decision = SignDecision::from_bytes(
-                  {static_cast<const std::byte*>(decision->data()), decision->size()});
+              options.decision =
+                  SignDecision::from_bytes({static_cast<const std::byte*>(decision->data()), decision->size()});
             new (at) Windows(vertices, faces, grid.grid(), thickness, size_of(largest), std::move(options));
           },
           "vertices"_a, "faces"_a, "grid"_a, "thickness"_a, "largest"_a, "sign"_a.none(), "method"_a, "nearest"_a,
