@@ -118,9 +118,9 @@ namespace {
 
 // Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
-  // Several devices work on parts of the grid. A method with windows of its own prepares the whole grid for them.
+  // Several devices work on parts of the grid. A method with windows of its own may prepare the whole grid for them.
   const auto devices = static_cast<std::int64_t>(plan.devices.size());
-  const bool whole = plan.row->in_windows && !is_thin(plan.grid, plan.thickness);
+  const bool whole = plan.row->prepares_whole && plan.row->prepares_whole(plan.triangles, plan.grid, plan.thickness);
   Grid part = plan.grid;
   if (!whole) part.size = plan.part;
   if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
@@ -130,7 +130,7 @@ std::int64_t scratch_bytes(const Plan& plan) {
 // Bytes that deciding the sign takes beside the output and the crossings.
 std::int64_t sign_bytes(const Plan& plan) {
   Grid part = plan.grid;
-  part.size = plan.part;
+  if (!may_share_rows(plan.grid)) part.size = plan.part;
   return RowCrossings::other_bytes(plan.triangles, part, plan.threads) + plan.threads * InsideRows::bytes(part);
 }
 
