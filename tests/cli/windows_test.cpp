@@ -51,7 +51,7 @@ TEST_F(WindowOptions, OutsideTheGridAreRefused) {
 
 TEST_F(WindowOptions, ByOneDecision) {
   for (const std::string sign : {"auto", "winding", "flood", "normal", "none"})
-    for (const std::string mesh : {"scene:open", "scene:nested", "scene:soup"}) {
+    for (const std::string mesh : {"scene:open", "scene:nested", "scene:soup:2000"}) {
       const std::string options = mesh + " -r 40 -t 2s --window 16,0,11,16,16,16 --sign " + sign,
                         file = sign + mesh.substr(6);
       ASSERT_EQ(window(options, "alone.vti").code, 0) << options;
