@@ -4,11 +4,14 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +23,7 @@
 #include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
+#include "files/atomic_file.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/error.h"
@@ -28,6 +32,7 @@
 #include "standoff/io.h"
 #include "standoff/mesh.h"
 #include "standoff/sidecars.h"
+#include "standoff/sign_decision.h"
 #include "standoff/slabs.h"
 #include "standoff/windows.h"
 
@@ -153,6 +158,17 @@ std::string confidence_line(const SignConfidence& found) {
   return "confidence: of " + counted(found.samples, "sample") + " in the band " + percent(found.doubtful) +
          " are doubtful, lines along the three axes disagree about " + percent(found.axes_disagree) +
          ", and a flood from outside about " + percent(found.flood_disagrees);
+}
+
+// Throws where a window is not within a grid of so many samples.
+void check_window(const WindowText& window, const Size3& grid) {
+  const auto& [first, size] = window;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (first[axis] > grid[axis] - size[axis])
+      throw Error(ErrorCode::usage, std::string("--window: ") + std::to_string(size[axis]) + " samples from sample " +
+                                        std::to_string(first[axis]) + " on along " + "xyz"[axis] +
+                                        " are not within the grid, which has " + std::to_string(grid[axis]) +
+                                        " there; give a window within it");
 }
 
 // Requires a window.
@@ -303,6 +319,7 @@ struct ComputeCommand {
   ComputeOptions& options = field.compute;
   Console console;
   std::optional<WindowText> window;
+  std::optional<std::filesystem::path> decision;  // a file, of the sign
   bool dry_run = false, uncompressed = false;
   int levels = 1;  // of a store
   Beside beside;
@@ -318,6 +335,8 @@ struct ComputeCommand {
   FieldWriteOptions write_options() const;
   Outcome write_or_fetch(const Plan& plan);
   Outcome write_in_slabs(const Plan& plan);
+  void check_decision() const;
+  WindowComputation decided_windows(const Plan& plan);
   ComputeResult compute_window(const Plan& plan);
   Outcome write_whole(const Plan& plan);
   SignConfidence write_confidence(const Mesh& loaded, const DistanceField& computed) const;
@@ -342,6 +361,13 @@ void ComputeCommand::add_to(CLI::App& verb) {
        "(docs/scale.md)",
        "Grid"},
       [this](S o, S t) { window = parse_window(o, t); });
+  add_parsed(
+      verb,
+      {"--decision", "FILE",
+       "with --window: take from this file how the sign is decided, or\nwrite it there if it is missing, for all "
+       "windows of the field",
+       "Grid"},
+      [this](S, S t) { decision = t; });
   mesh.add_scale_to(verb);
 
   const auto add = [&verb](const char* name, const char* value, const char* help, const char* group, auto set) {
@@ -373,6 +399,9 @@ void ComputeCommand::run() {
     confidence.check_differs(mesh.name());
     dry_run ? confidence.check_name(field_formats()) : confidence.check(field_formats());
   }
+  if (window)
+    if (const auto known = field.known_size()) check_window(*window, *known);
+  check_decision();
   beside.check(output);
   beside.prepare(options);
   output.check_levels(levels);
@@ -395,6 +424,7 @@ void ComputeCommand::run() {
   validate(loaded);
   Plan plan{mesh.name(),        loaded, field.choose_grid(mesh.name(), bounds(loaded)), window, output.path().string(),
             output.in_the_way()};
+  if (window) check_window(*window, plan.choice.grid.size);
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
@@ -467,9 +497,44 @@ Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   return outcome;
 }
 
+void ComputeCommand::check_decision() const {
+  if (!decision) return;
+  if (!window)
+    throw Error(ErrorCode::usage, "--decision: it is for the windows of a field; give --window, or leave it out");
+  std::error_code ignored;
+  if (const auto status = std::filesystem::status(*decision, ignored);
+      std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(ErrorCode::usage, "--decision: " + decision->string() + " is no file; name a file, or a new one");
+  output.beside(*decision).check_differs(mesh.name());
+}
+
+// Windows by the decision of a file, which is written if there is none.
+WindowComputation ComputeCommand::decided_windows(const Plan& plan) {
+  const auto make = [&] {
+    return WindowComputation(plan.mesh, plan.choice.grid, plan.choice.thickness, plan.window->size, options);
+  };
+  if (!decision) return make();
+  std::error_code ignored;
+  if (!std::filesystem::exists(*decision, ignored)) {
+    WindowComputation windows = make();
+    const std::vector<std::byte> bytes = windows.decision().bytes();
+    write_text(*decision, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return windows;
+  }
+  const std::string bytes = read_text(*decision);
+  try {
+    options.decision = SignDecision::from_bytes(std::as_bytes(std::span(bytes)));
+    return make();
+  } catch (const Error& error) {
+    const std::string_view words = error.what();
+    if (words.find("sign decision") == words.npos) throw;
+    throw Error(error.code(), decision->string() + ": " + error.what());
+  }
+}
+
 ComputeResult ComputeCommand::compute_window(const Plan& plan) {
   const auto& [first, size] = *plan.window;
-  WindowComputation windows(plan.mesh, plan.choice.grid, plan.choice.thickness, size, options);
+  WindowComputation windows = decided_windows(plan);
   ComputeResult made;
   windows.compute(first, size, made.field);
   made.report = windows.report();

@@ -47,8 +47,8 @@ class FieldOptions {
   /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
   GridChoice choose_grid(const std::string& name, const Box& box);
 
-  /// The samples per axis, where they are the same for every mesh.
-  std::optional<Size3> common_size() const { return grid_.common_size(); }
+  /// The samples of the grid, where no mesh is needed to know them. Errors: usage.
+  std::optional<Size3> known_size() const { return grid_.known_size(); }
 
   /// The memory limit in bytes; the largest number where there is none.
   std::int64_t memory_limit() const;

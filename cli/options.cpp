@@ -179,9 +179,10 @@ GridChoice GridOptions::choose(const Box& mesh) const {
   return {grid, thickness_.world(grid.max_spacing())};
 }
 
-std::optional<Size3> GridOptions::common_size() const {
-  if (size_) return size_;
-  return bounds_ ? std::optional(around(*bounds_).size) : std::nullopt;
+std::optional<Size3> GridOptions::known_size() const {
+  if (minimum_) return std::nullopt;
+  if (bounds_) return around(*bounds_).size;
+  return spacing_ ? std::nullopt : size_;
 }
 
 namespace {

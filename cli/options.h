@@ -85,8 +85,9 @@ class GridOptions {
 
   /// The grid for a mesh with the given bounds. Errors: usage.
   GridChoice choose(const Box& mesh) const;
-  /// The samples per axis, where they are the same for every mesh.
-  std::optional<Size3> common_size() const;
+  /// The samples of the grid where they are the same for every mesh; nothing where the mesh decides them. Errors:
+  /// usage.
+  std::optional<Size3> known_size() const;
 
  private:
   Grid around(const Box& box) const;

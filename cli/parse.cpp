@@ -2,6 +2,7 @@
 #include "cli/parse.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -131,7 +132,17 @@ WindowText parse_window(const std::string& option, const std::string& text) {
   const auto v = parts(text);
   if (v.size() != 6)
     reject(option, text, "give six whole numbers, the first sample along x,y,z and the samples: I,J,K,NX,NY,NZ");
-  const auto number = [&](std::size_t n) { return parse_count(option, v[n], n < 3 ? 0 : 1, std::int64_t{1} << 40); };
+  const auto number = [&](std::size_t n) {
+    constexpr std::array kNames{"I", "J", "K", "NX", "NY", "NZ"};
+    constexpr std::int64_t kMost = std::int64_t{1} << 40;
+    const std::int64_t least = n < 3 ? 0 : 1;
+    const auto value = whole_text<std::int64_t>(v[n]);
+    if (!value || *value < least || *value > kMost)
+      reject(option, text,
+             std::string(kNames[n]) + ", " + (n < 3 ? "the first sample" : "the samples") + " along " + "xyz"[n % 3] +
+                 ", is '" + v[n] + "'; give a whole number from " + grouped(least) + " to " + grouped(kMost));
+    return *value;
+  };
   return {{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
 }
 

@@ -323,7 +323,7 @@ void BatchCommand::check() {
   }
   making.compress = !uncompressed;
   if (making.extension == kArrayFormat) {
-    const std::optional<Size3> shape = making.field.common_size();
+    const std::optional<Size3> shape = making.field.known_size();
     if (!shape)
       refuse(
           "--format array: its rows have one shape, and these options give each mesh a grid of its own; give "

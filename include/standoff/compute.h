@@ -17,6 +17,7 @@
 #include "standoff/mesh.h"
 #include "standoff/progress.h"
 #include "standoff/sign.h"
+#include "standoff/sign_decision.h"
 
 namespace standoff {
 
@@ -75,6 +76,9 @@ struct ComputeOptions {
   /// By default values inside are negative, if the mesh has an inside. The memory limit counts what closed meshes need,
   /// and diagnosing others; not the holes of open meshes, floods and pseudonormals (docs/sign.md, "Limits").
   SignOptions sign = {};
+  /// Of WindowComputation::decision(), for this mesh and such a sign: then nothing of it is decided again, and the
+  /// values are the same. Empty: it is decided. Errors: usage (it is for another mesh, sign or grid), input (damaged).
+  SignDecision decision = {};
   Execution execution = {};
   /// Bytes of output and scratch memory together. 0: default_memory_limit(); negative: no limit.
   std::int64_t memory_limit = 0;

@@ -32,6 +32,7 @@
 #include "standoff/progress.h"
 #include "standoff/sidecars.h"
 #include "standoff/sign.h"
+#include "standoff/sign_decision.h"
 #include "standoff/slabs.h"
 #include "standoff/slice.h"
 #include "standoff/slice_reader.h"

@@ -11,6 +11,7 @@
 #include "standoff/field.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
+#include "standoff/sign_decision.h"
 
 namespace standoff {
 
@@ -64,6 +65,9 @@ class STANDOFF_API WindowComputation {
   /// microseconds where the mesh is closed. Errors: as compute().
   bool is_empty(const Size3& first, const Size3& size);
 
+  /// How the sign was decided, for ComputeOptions::decision of others that compute windows of this field: they take no
+  /// time for it. Errors: limit.
+  SignDecision decision() const;
   /// What was done for all windows so far.
   const ComputeReport& report() const;
 

@@ -2,8 +2,11 @@
 // Fields in windows.
 #include "standoff/windows.h"
 
+#include <cstddef>
 #include <mutex>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "arrays.h"
 #include "computed.h"
@@ -38,8 +41,10 @@ class Windows {
     return nb::make_tuple(std::move(made), computation_dict(done, seconds));
   }
 
-  bool is_reached(const Counts& first, const Counts& size) const {
-    return windows_->is_reached(size_of(first), size_of(size));
+  bool is_reached(const Counts& first, const Counts& size) {
+    bool reached = false;
+    watched_call(nb::none(), [&] { reached = windows_->is_reached(size_of(first), size_of(size)); });
+    return reached;
   }
   bool is_empty(const Counts& first, const Counts& size) {
     bool empty = false;
@@ -47,6 +52,11 @@ class Windows {
     return empty;
   }
   bool is_whole() const { return windows_->is_whole(); }
+  nb::bytes decision() {
+    std::vector<std::byte> bytes;
+    watched_call(nb::none(), [&] { bytes = windows_->decision().bytes(); });
+    return nb::bytes(bytes.data(), bytes.size());
+  }
   nb::dict sign() const { return sign_dict(windows_->report().sign); }
   const Provenance& provenance() const { return windows_->report().provenance; }
 
@@ -81,16 +91,20 @@ void add_windows(nb::module_& m) {
           "__init__",
           [](Windows* at, const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
              const Counts& largest, const nb::handle& sign, const std::string& method, bool nearest, int threads,
-             const std::string& device, std::int64_t memory_limit) {
-            new (at) Windows(vertices, faces, grid.grid(), thickness, size_of(largest),
-                             compute_options(sign, method, nearest, threads, device, memory_limit));
+             const std::string& device, std::int64_t memory_limit, const std::optional<nb::bytes>& decision) {
+            ComputeOptions options = compute_options(sign, method, nearest, threads, device, memory_limit);
+            if (decision)
+              options.decision =
+                  SignDecision::from_bytes({static_cast<const std::byte*>(decision->data()), decision->size()});
+            new (at) Windows(vertices, faces, grid.grid(), thickness, size_of(largest), std::move(options));
           },
           "vertices"_a, "faces"_a, "grid"_a, "thickness"_a, "largest"_a, "sign"_a.none(), "method"_a, "nearest"_a,
-          "threads"_a, "device"_a, "memory_limit"_a)
+          "threads"_a, "device"_a, "memory_limit"_a, "decision"_a.none())
       .def("field", &Windows::field, "first"_a, "shape"_a, "progress"_a.none())
       .def("is_empty", &Windows::is_empty, "first"_a, "shape"_a)
       .def("is_reached", &Windows::is_reached, "first"_a, "shape"_a)
       .def_prop_ro("is_whole", &Windows::is_whole)
+      .def_prop_ro("decision", &Windows::decision)
       .def_prop_ro("sign", &Windows::sign)
       .def_prop_ro("provenance", &Windows::provenance);
 }

@@ -27,6 +27,8 @@ class FieldWindows:
         resolution, spacing, shape, grid, padding, band, thickness: of the whole field, as for `field`.
         sign, nearest, method, device, threads: as for `field`.
         memory_limit: bytes of the CPU's memory, as for `field`; it counts the largest window.
+        decision: `decision` of other windows of this mesh, with this sign, from any process: then how the sign is
+            decided is not found out again. It is of one grid if the sign is a flood, else of any.
 
     Raises:
         MeshError, UsageError, ValueError, TypeError, LimitError, DeviceError: as `field`.
@@ -56,6 +58,7 @@ class FieldWindows:
         device: str = "auto",
         threads: int = 0,
         memory_limit: int | None = None,
+        decision: bytes | None = None,
     ) -> None:
         found = as_mesh(mesh)
         self._grid, self._thickness = grid_of(
@@ -75,6 +78,7 @@ class FieldWindows:
             flag(nearest, "nearest"),
             *runs_on(threads, device),
             memory_limit_of(memory_limit),
+            _bytes_or_none(decision),
         )
         self._sign = sign_report(self._windows.sign, self._asked, stacklevel=2)
 
@@ -92,6 +96,11 @@ class FieldWindows:
     def sign(self) -> SignReport:
         """How the sign was decided, for all windows."""
         return self._sign
+
+    @property
+    def decision(self) -> bytes:
+        """How the sign was decided, in few bytes: give them to other windows of the same mesh."""
+        return self._windows.decision
 
     @property
     def is_whole(self) -> bool:
@@ -130,6 +139,12 @@ class FieldWindows:
         for k, j, i in product(*reversed(starts)):
             first = (i, j, k)
             yield first, _clipped(first, self._window, self._grid.shape)
+
+
+def _bytes_or_none(decision: Any) -> bytes | None:
+    if decision is not None and not isinstance(decision, bytes):
+        raise TypeError(f"decision: give the bytes of FieldWindows.decision, not {type(decision).__name__}")
+    return decision
 
 
 def _clipped(first: tuple[int, int, int], side: tuple[int, int, int], whole: Any) -> tuple[int, int, int]:

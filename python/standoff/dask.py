@@ -13,7 +13,7 @@ import threading
 import time
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,7 @@ except ImportError as error:
     ) from None
 
 _MOST_PREPARED = 2  # meshes that a worker keeps prepared
+_IN_WINDOWS = ("tiles", "thesis", "fuhrmann")  # methods that do not spread values
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,7 @@ class _Job:
     method: str
     threads: int | None
     token: str
+    decision: bytes | None = None
 
     @classmethod
     def of(
@@ -82,6 +84,7 @@ class _Job:
             method=self.method,  # type: ignore[arg-type]
             device="auto" if self.threads is None else "cpu",
             threads=threads,
+            decision=self.decision,
         )
 
 
@@ -105,6 +108,11 @@ def _windows_of(job: _Job) -> FieldWindows:
         return windows
 
 
+def _decided(job: _Job) -> _Job:
+    """The job with how its sign is decided: one process finds it out, and the others prepare the mesh faster."""
+    return replace(job, decision=_windows_of(job).decision)
+
+
 def _threads_here() -> int:
     """The threads of this worker; of no worker, all."""
     try:
@@ -113,6 +121,15 @@ def _threads_here() -> int:
         return int(get_worker().state.nthreads)
     except (ImportError, ValueError):
         return 0
+
+
+def _decided_node(job: _Job) -> Any:
+    """The mesh as one node of a graph, and one more that decides its sign. It does not where that needs the whole field
+    or nothing."""
+    mesh = delayed(job, name=f"standoff-mesh-{job.token}", traverse=False)
+    if Sign.of(job.sign).method not in ("auto", "winding", "parity", "flood") or job.method not in _IN_WINDOWS:
+        return mesh
+    return delayed(_decided)(mesh, dask_key_name=f"standoff-decided-{job.token}")
 
 
 def _block(job: _Job, block_info: Any = None) -> np.ndarray:
@@ -166,7 +183,7 @@ def compute(
     chunks = tuple(tuple(min(side, n - at) for at in range(0, n, side)) for n, side in zip(job.grid.shape, job.window))
     array: dask.array.Array = dask.array.map_blocks(  # type: ignore[no-untyped-call]
         _block,
-        job=delayed(job, name=f"standoff-mesh-{job.token}", traverse=False),
+        job=_decided_node(job),
         dtype=np.float32,
         chunks=chunks,
         meta=np.empty((0, 0, 0), np.float32),
@@ -276,6 +293,7 @@ def write(
     count_of_levels = level_count(levels, job.grid.shape)
     target = Target(url, storage_options)
     here = _windows_of(job)
+    job = replace(job, decision=here.decision)
     _make(target, here, job, shards, chunks, flag(resume, "resume"), flag(overwrite, "overwrite"))
     count_of_levels = max(count_of_levels, target.open().levels)  # a call for fewer takes none away
     existing = target.shards()

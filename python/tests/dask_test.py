@@ -74,6 +74,53 @@ def test_the_mesh_is_one_node_of_the_graph():
     assert sum("standoff-mesh" in str(key) for key in graph) == 1
 
 
+# A mesh whose sign takes a diagnosis: open, with faces turned.
+def mended():
+    vertices, faces = shapes.sphere(8)
+    faces = np.delete(faces, range(30, 40), axis=0)
+    faces[::3] = faces[::3, ::-1]
+    return vertices, faces
+
+
+# What decides is replaced in the workers: they must get the decision, and it must be the one that was made.
+COUNTS_DECISIONS = """
+    import os
+    from pathlib import Path
+    import standoff.dask as sd
+
+    def prepare(self, threads, prepare=sd._Job.prepare):
+        if self.decision is None:
+            Path(os.environ["STANDOFF_TEST_DECIDED"], f"{os.getpid()}").touch()
+        return prepare(self, threads)
+
+    if sd._Job.prepare.__name__ != "prepare" or sd._Job.prepare.__module__ == "standoff.dask":
+        sd._Job.prepare = prepare
+"""
+
+
+@pytest.mark.filterwarnings("ignore::standoff.SignWarning")
+def test_the_sign_is_decided_once(tmp_path, monkeypatch):
+    (tmp_path / "counts.py").write_text(textwrap.dedent(COUNTS_DECISIONS))
+    decided = tmp_path / "decided"
+    decided.mkdir()
+    monkeypatch.setenv("STANDOFF_TEST_DECIDED", str(decided))
+    whole = so.field(mended(), **SIZES)
+    assert whole.sign.flipped > 0
+    with (
+        dask.config.set({"distributed.worker.preload": [str(tmp_path / "counts.py")]}),
+        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster) as client,
+    ):
+        lazy = sd.compute(mended(), window=32, **SIZES)
+        np.testing.assert_array_equal(np.asarray(lazy.compute()).view(np.uint32), whole.numpy().view(np.uint32))
+        assert len(list(decided.iterdir())) == 1
+        sd.write(tmp_path / "field.zarr", mended(), client=client, **SIZES | {"resolution": 100}, **LAYOUT)
+        assert len(list(decided.iterdir())) == 1  # the client decided
+    np.testing.assert_array_equal(
+        so.load(tmp_path / "field.zarr").numpy(), so.field(mended(), **SIZES | {"resolution": 100}).numpy()
+    )
+
+
 def test_a_store_is_the_field(serial):
     whole = so.field(MESH, **SIZES)
     np.testing.assert_array_equal(zarr.open_array(serial / "0", mode="r")[:], whole.numpy())

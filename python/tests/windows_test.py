@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows of fields: parts with the bits of the whole, computed without it."""
 
+import subprocess
+import sys
+import textwrap
 import threading
 
 import numpy as np
@@ -40,6 +43,50 @@ def test_windows_are_parts_of_the_whole_field(sign, nearest):
     assert count == 2 * 3 * 2
     odd = windows.field((5, 7, 11), (20, 3, 13))
     np.testing.assert_array_equal(bits(odd.numpy()), bits(part_of(whole.numpy(), (5, 7, 11), (20, 3, 13))))
+
+
+OPEN = MESH[0], np.delete(MESH[1], range(40, 55), axis=0)[:, [1, 0, 2]]
+
+
+@pytest.mark.filterwarnings("ignore::standoff.SignWarning")
+@pytest.mark.parametrize("mesh", [MESH, OPEN])
+@pytest.mark.parametrize("sign", ["auto", "flood", "normal", None, so.Sign(invert=True)])
+def test_a_decision_of_another_process(mesh, sign, tmp_path):
+    # The other process decides; this one computes by what it sends.
+    script = """
+        import sys
+        import numpy as np, standoff as so
+
+        kept = np.load(sys.argv[1])
+        sign = so.Sign(invert=True) if sys.argv[2] == "inverted" else sys.argv[2]
+        windows = so.FieldWindows((kept["v"], kept["f"]), window=16, shape=(53, 47, 61), thickness=0.2, sign=sign)
+        sys.stdout.buffer.write(windows.decision)
+    """
+    np.savez(tmp_path / "mesh.npz", v=mesh[0], f=mesh[1])
+    words = "inverted" if isinstance(sign, so.Sign) else sign or "none"
+    arguments = [sys.executable, "-c", textwrap.dedent(script), tmp_path / "mesh.npz", words]
+    decision = subprocess.run(arguments, check=True, capture_output=True).stdout
+    whole = so.field(mesh, sign=sign, **SIZES)
+    windows = so.FieldWindows(mesh, window=(32, 16, 48), sign=sign, decision=decision, **SIZES)
+    assert windows.decision == decision and windows.sign == whole.sign
+    for first, shape in windows:
+        np.testing.assert_array_equal(
+            bits(windows.field(first, shape).numpy()), bits(part_of(whole.numpy(), first, shape))
+        )
+
+
+@pytest.mark.filterwarnings("ignore::standoff.SignWarning")
+def test_decisions_of_something_else_are_refused():
+    decision = so.FieldWindows(OPEN, window=16, **SIZES).decision
+    with pytest.raises(so.UsageError, match="another mesh"):
+        so.FieldWindows(MESH, window=16, decision=decision, **SIZES)
+    with pytest.raises(so.UsageError, match="the sign method auto, not flood"):
+        so.FieldWindows(OPEN, window=16, sign="flood", decision=decision, **SIZES)
+    for damaged in (b"", decision[:-1], b"x" * 200):
+        with pytest.raises(so.Error, match="sign decision"):
+            so.FieldWindows(OPEN, window=16, decision=damaged, **SIZES)
+    with pytest.raises(TypeError, match="decision: give the bytes"):
+        so.FieldWindows(OPEN, window=16, decision="text", **SIZES)
 
 
 def test_windows_that_no_triangle_reaches():

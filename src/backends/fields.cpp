@@ -65,7 +65,7 @@ constexpr std::array kFieldRows{
     on_cuda<Method::jumpflood>(),
     on_cuda<Method::jumpflood_1>(),
     BackendRow{Backend::cpu, Method::tiles, kAlways, [](Simd simd, int) { return cpu::tiles_device(simd); },
-               cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_windows},
+               cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_windows, false, cpu::tiles_prepare_whole},
     plain_on_cpu(Method::thesis, cpu::run_thesis, cpu::thesis_scratch_bytes),
     plain_on_cpu(Method::fuhrmann, cpu::run_fuhrmann, cpu::thesis_scratch_bytes),
     plain_on_cpu(Method::propagate, cpu::run_propagate, cpu::spread_scratch_bytes),

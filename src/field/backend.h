@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -110,6 +111,8 @@ class WindowGather {
   /// Fills the tiles of a window of the job's grid, which begins at a brick of it; the sink's first tile is the
   /// window's. Counts its bricks as progress. Throws Error{interrupted}.
   virtual Counts gather(const Grid& window, Sink& sink, ProgressMeter& progress) = 0;
+  /// Whether some triangle may be within the thickness of such a window, where that takes no search.
+  virtual std::optional<bool> is_reached(const Grid&) const { return std::nullopt; }
 };
 
 /// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
@@ -121,10 +124,12 @@ struct BackendRow {
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch memory in the worst case, without the output.
   std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
-  /// The same job by windows, with the same scratch memory, where that is better than a job for the triangles that
-  /// reach a window; nullptr, also as what it returns, where it is not. The job must outlive the result.
+  /// The same job by windows, where that is better than a job for the triangles that reach a window; nullptr, also as
+  /// what it returns, where it is not. The job must outlive the result.
   std::unique_ptr<WindowGather> (*in_windows)(const Job&) = nullptr;
   bool on_several_devices = false;  ///< Job::devices may name several
+  /// Whether in_windows may prepare the whole grid, with the scratch memory of that; if not, its result is nullptr.
+  bool (*prepares_whole)(std::int64_t triangles, const Grid&, double thickness) = nullptr;
 };
 
 /// Throws Error{input}: the method begins at samples near the surface, and there are none.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/progress.h"
@@ -60,6 +61,10 @@ class Computation {
   /// The same for a window, by a part of the mesh that holds all triangles that its rows may cross.
   std::unique_ptr<SampleSigns> signs_of_window(const Grid& window, const OrientedMesh& part);
   const SignPlan& sign_plan() const { return sign_plan_; }
+  /// Of the sign, once signs that need the grid or the whole field are made.
+  SignDecision decision() const;
+  /// content_hash() of the mesh.
+  std::uint64_t mesh_hash() const;
   /// Fills the fields of the report that whole fields and windows share. `hash`: the mesh's, or 0.
   void finish(std::int64_t triangles, const Counts& counts, std::uint64_t hash);
 
@@ -71,6 +76,7 @@ class Computation {
   Threads threads_;
   ProgressMeter progress_;
   std::vector<std::uint32_t> kept_;
+  mutable std::optional<std::uint64_t> mesh_hash_;  // once it was asked for
   ComputeReport report_;
 };
 

@@ -11,6 +11,7 @@
 #include "core/tile_count.h"
 #include "field/plan.h"
 #include "field/prepare.h"
+#include "sign/decision.h"
 #include "sign/outer/outer.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
@@ -32,8 +33,12 @@ void Computation::check() {
     Stopwatch watch;
     progress_.stage("prepare", 1, 0, 0.1);
     check_mesh(mesh_, plan_, options_);
-    sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
-    if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
+    if (options_.decision.empty()) {
+      sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
+      if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
+    } else {
+      sign_plan_ = plan_of(options_.decision, mesh_, mesh_hash(), options_.sign, plan_.grid);
+    }
     if (plan_.in_windows && steps_of(sign_plan_.report.method).scope == SignScope::field) {
       take_whole(plan_);
       check_mesh(mesh_, plan_, options_);
@@ -55,6 +60,15 @@ Job Computation::job() {
           .simd = options_.execution.simd,
           .progress = progress_,
           .devices = plan_.devices};
+}
+
+SignDecision Computation::decision() const {
+  return decision_of(sign_plan_, mesh_, mesh_hash(), options_.sign, plan_.grid);
+}
+
+std::uint64_t Computation::mesh_hash() const {
+  if (!mesh_hash_) mesh_hash_ = content_hash(mesh_);
+  return *mesh_hash_;
 }
 
 std::unique_ptr<SampleSigns> Computation::signs(const NearestTriangles& nearest) {
@@ -140,7 +154,7 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
     std::uint64_t hash = 0;
     if (with_hash) {
       computation.progress().stage("hash", 1, 1, 1);
-      hash = content_hash(computation.mesh());
+      hash = computation.mesh_hash();
     }
     report.seconds.compute = watch.lap();
     if (computation.sign_method() != SignMethod::none) {

@@ -118,9 +118,9 @@ namespace {
 
 // Bytes that the backend holds beside the output.
 std::int64_t scratch_bytes(const Plan& plan) {
-  // Several devices work on parts of the grid. A method with windows of its own prepares the whole grid for them.
+  // Several devices work on parts of the grid. A method with windows of its own may prepare the whole grid for them.
   const auto devices = static_cast<std::int64_t>(plan.devices.size());
-  const bool whole = plan.row->in_windows && !is_thin(plan.grid, plan.thickness);
+  const bool whole = plan.row->prepares_whole && plan.row->prepares_whole(plan.triangles, plan.grid, plan.thickness);
   Grid part = plan.grid;
   if (!whole) part.size = plan.part;
   if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
@@ -130,7 +130,7 @@ std::int64_t scratch_bytes(const Plan& plan) {
 // Bytes that deciding the sign takes beside the output and the crossings.
 std::int64_t sign_bytes(const Plan& plan) {
   Grid part = plan.grid;
-  part.size = plan.part;
+  if (!may_share_rows(plan.grid)) part.size = plan.part;
   return RowCrossings::other_bytes(plan.triangles, part, plan.threads) + plan.threads * InsideRows::bytes(part);
 }
 
@@ -140,6 +140,11 @@ double tiles_at_once(const Plan& plan) { return static_cast<double>(tile_count(p
 // Bytes of crossings in memory at once, in windows: there the backend keeps its memory meanwhile. The value is a
 // choice.
 constexpr std::int64_t kCrossingBytesInWindows = std::int64_t{32} << 20;
+
+// Whether the sign is decided by a diagnosis.
+bool is_diagnosed(MeshView mesh, const ComputeOptions& options) {
+  return options.decision.empty() && needs_diagnosis(mesh, options.sign);
+}
 
 // Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
@@ -231,7 +236,7 @@ std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
   const double tiles = scan_mesh(mesh, plan, !plan.is_dense).tiles;
-  return bytes_needed(plan, tiles, needs_diagnosis(mesh, options.sign));
+  return bytes_needed(plan, tiles, is_diagnosed(mesh, options));
 }
 
 std::int64_t crossing_bytes(const Plan& plan) {
@@ -240,7 +245,7 @@ std::int64_t crossing_bytes(const Plan& plan) {
 }
 
 void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
-  const bool diagnosed = needs_diagnosis(mesh, options.sign);
+  const bool diagnosed = is_diagnosed(mesh, options);
   const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, tiles, diagnosed);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
@@ -262,7 +267,7 @@ MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const G
   const Plan whole = plan_of(false, {});
   const double tiles =
       mesh ? std::min(scan_mesh(*mesh, whole, true).tiles, tiles_at_once(whole)) : tiles_at_once(whole);
-  const bool diagnosed = mesh ? needs_diagnosis(*mesh, options.sign) : whole.with_sign;
+  const bool diagnosed = mesh ? is_diagnosed(*mesh, options) : whole.with_sign;
   const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, tiles, diagnosed); };
   return {.whole = bytes(whole),
           .dense = bytes(plan_of(true, {})),

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/tile_count.h"
 #include "field/backend.h"
 #include "standoff/compute.h"
 
@@ -50,6 +51,10 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed);
 std::int64_t bytes_needed(const Plan& plan);
 /// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options);
+
+/// Whether windows may share the crossings of all rows of the grid, if these are few: it has at most 65,536 rows of
+/// tiles.
+inline bool may_share_rows(const Grid& grid) { return tiles_along(grid.size.y) <= 65536 / tiles_along(grid.size.z); }
 
 /// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough.
 std::int64_t crossing_bytes(const Plan& plan);

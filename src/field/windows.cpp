@@ -13,6 +13,7 @@
 #include "core/tile_count.h"
 #include "field/lattice.h"
 #include "field/prepare.h"
+#include "sign/rows/row_crossings.h"
 #include "sign/sign_field.h"
 #include "standoff/windows.h"
 
@@ -170,12 +171,12 @@ FieldInWindows::~FieldInWindows() = default;
 void FieldInWindows::prepare() {
   job_.emplace(computation_.job());
   Stopwatch watch;
-  if (options_.hash_mesh) hash_ = content_hash(computation_.mesh());
-  parts_.emplace(job_->mesh, job_->kept, job_->progress);
+  if (options_.hash_mesh) hash_ = computation_.mesh_hash();
   if (plan().row->in_windows) gather_ = plan().row->in_windows(*job_);
-  if (!gather_) gather_ = std::make_unique<JobsOfWindows>(*job_, *plan().row, *parts_);
+  if (!gather_) gather_ = std::make_unique<JobsOfWindows>(*job_, *plan().row, parts());
   computation_.report().seconds.compute = watch.lap();
-  if (steps_of(computation_.sign_method()).scope == SignScope::grid) signs_of_grid_ = computation_.signs({});
+  signs_of_grid_ =
+      steps_of(computation_.sign_method()).scope == SignScope::grid ? computation_.signs({}) : signs_of_all_rows();
   computation_.report().seconds.sign = watch.lap();
   computation_.progress().stage("gather", brick_count(plan().grid), 0.2, 1);
   tell();
@@ -222,10 +223,12 @@ Grid FieldInWindows::checked(const Size3& first, const Size3& size) const {
   return grid.window(first, size);
 }
 
-bool FieldInWindows::is_reached(const Size3& first, const Size3& size) const {
+bool FieldInWindows::is_reached(const Size3& first, const Size3& size) {
   const Grid window = checked(first, size);
   if (!plan().in_windows || std::isinf(plan().thickness)) return true;
-  return parts_->touch(window.bounds().grown(reach_beyond_rounding(window, plan().thickness)));
+  if (const auto known = gather_->is_reached(in_bricks(plan().grid, first, size))) return *known;
+  return computation_.threads().run(
+      [&] { return parts().touch(window.bounds().grown(reach_beyond_rounding(window, plan().thickness))); });
 }
 
 bool FieldInWindows::is_empty(const Size3& first, const Size3& size) {
@@ -287,6 +290,20 @@ MeshPart FieldInWindows::crossed_by(const Grid& window) {
   return {OrientedMesh{computation_.mesh(), computation_.sign_plan().use}, all_parts().touching(box)};
 }
 
+// By the crossings of all rows, if these are so few that they can be held: of a closed mesh windows need no others.
+std::unique_ptr<SampleSigns> FieldInWindows::signs_of_all_rows() {
+  const SignPlan& sign = computation_.sign_plan();
+  if (!sign.has_sign() || !sign.boundary.edges.empty() || sign.report.method == SignMethod::shell) return nullptr;
+  if (!may_share_rows(plan().grid)) return nullptr;
+  // Found crossings lie in blocks, of which each thread leaves one half empty.
+  constexpr double kRoom = 1.25;
+  const double expected = RowCrossings::expected_bytes({computation_.mesh(), sign.use}, plan().grid);
+  if (kRoom * expected > static_cast<double>(crossing_bytes(plan()))) return nullptr;
+  std::unique_ptr<SampleSigns> signs = computation_.signs({});
+  const bool all = signs->load(0) >= tiles_along(plan().grid.size.y) * tiles_along(plan().grid.size.z);
+  return all ? std::move(signs) : nullptr;
+}
+
 // Nothing of the mesh, which has no holes, is between samples of the window.
 bool FieldInWindows::is_of_one_sign(const Grid& window) {
   return computation_.sign_plan().boundary.edges.empty() && !all_parts().touch(window.bounds());
@@ -300,8 +317,13 @@ bool FieldInWindows::is_inside(const Grid& window) {
   return signs && bits_of(*signs, false, sample, computation_.progress())(0, 0, 0);
 }
 
+const MeshParts& FieldInWindows::parts() {
+  if (!parts_) parts_.emplace(job_->mesh, job_->kept, job_->progress);
+  return *parts_;
+}
+
 const MeshParts& FieldInWindows::all_parts() {
-  if (job_->kept.empty()) return *parts_;
+  if (job_->kept.empty()) return parts();
   if (!all_parts_) all_parts_.emplace(computation_.mesh(), std::span<const std::uint32_t>{}, computation_.progress());
   return *all_parts_;
 }
@@ -352,6 +374,10 @@ const Grid& WindowComputation::grid() const { return work_->plan().grid; }
 double WindowComputation::thickness() const { return work_->plan().field_thickness; }
 bool WindowComputation::has_nearest() const { return work_->has_nearest(); }
 bool WindowComputation::is_whole() const { return !work_->plan().in_windows; }
+SignDecision WindowComputation::decision() const try { return work_->decision(); } catch (...) {
+  throw_as_error("compute");
+}
+
 const ComputeReport& WindowComputation::report() const { return work_->report(); }
 
 void WindowComputation::compute(const Size3& first, const Size3& size, DistanceField& field) try {

@@ -29,9 +29,12 @@ class FieldInWindows {
   ProgressMeter& progress() { return computation_.progress(); }
   const ComputeReport& report() const { return report_; }
   bool has_nearest() const { return options_.nearest; }
+  SignDecision decision() {
+    return computation_.threads().run([&] { return computation_.decision(); });
+  }
 
   void compute(const Size3& first, const Size3& size, DistanceField& field);
-  bool is_reached(const Size3& first, const Size3& size) const;
+  bool is_reached(const Size3& first, const Size3& size);
   bool is_empty(const Size3& first, const Size3& size);
   /// Gives away the whole field, where the plan is not in windows.
   DistanceField take_whole() { return std::exchange(whole_, {}); }
@@ -46,15 +49,18 @@ class FieldInWindows {
   bool is_of_one_sign(const Grid& window);
   bool is_inside(const Grid& window);
   SampleSigns* signs_of_rows(const Grid& window);
+  const MeshParts& parts();
   const MeshParts& all_parts();
+  std::unique_ptr<SampleSigns> signs_of_all_rows();
 
   const ComputeOptions options_;
   Computation computation_;
   std::uint64_t hash_ = 0;
   std::optional<Job> job_;
-  std::optional<MeshParts> parts_, all_parts_;  // of the job's triangles; of all, if these are others, for signs
+  // Made when they are needed: of the job's triangles; of all, if these are others, for signs.
+  std::optional<MeshParts> parts_, all_parts_;
   std::unique_ptr<WindowGather> gather_;
-  std::unique_ptr<SampleSigns> signs_of_grid_;  // of SignScope::grid
+  std::unique_ptr<SampleSigns> signs_of_grid_;  // of SignScope::grid; or by few crossings, which all windows share
 
   // The signs of all samples of a window's rows, along the whole grid: the next window may have these rows, too.
   struct RowSigns {

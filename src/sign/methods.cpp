@@ -131,12 +131,19 @@ Made signs_by_nearest(const OrientedMesh& mesh, SignPlan&, const SignOptions&, c
 
 Made flood_signs(const OrientedMesh& mesh, SignPlan& plan, const SignOptions& options, const UnsignedField& field,
                  ProgressMeter& progress) {
+  if (plan.flood) return std::make_unique<Flood>(mesh.mesh, field.grid, plan.flood);
   auto signs = std::make_unique<Flood>(mesh.mesh, field.grid, progress);
-  if (!signs->leaks()) return signs;
+  if (!signs->leaks()) {
+    plan.flood = signs->sides();
+    return signs;
+  }
   plan.report.sure = false;
   plan.report.why += "; the flood comes everywhere, so nothing is inside: the gaps are too wide for this grid";
   expect_sure(plan, options);
-  if (options.method != SignMethod::automatic) return signs;
+  if (options.method != SignMethod::automatic) {
+    plan.flood = signs->sides();
+    return signs;
+  }
   plan.report.method = SignMethod::none;
   return nullptr;
 }

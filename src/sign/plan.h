@@ -15,6 +15,7 @@
 namespace standoff {
 
 struct Caps;
+struct FloodSides;
 
 struct SignPlan {
   SignReport report;
@@ -22,6 +23,7 @@ struct SignPlan {
   std::vector<std::uint32_t> exposed;  ///< SignOptions::outer: triangles that are not internal, ascending; empty: all
   Boundary boundary;                   ///< of the mesh in that orientation; empty also where the method needs none
   std::shared_ptr<const Caps> caps;    ///< of the boundary; made with the first signs that need it
+  std::shared_ptr<const FloodSides> flood;  ///< of the grid; made with the signs of SignMethod::flood
 
   bool has_sign() const { return report.method != SignMethod::none; }
 };

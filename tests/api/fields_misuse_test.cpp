@@ -7,6 +7,7 @@
 #include "standoff/mesh_report.h"
 #include "standoff/occupancy.h"
 #include "standoff/points.h"
+#include "standoff/sign_decision.h"
 #include "standoff/slabs.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/thesis.h"
@@ -71,6 +72,24 @@ TEST(Misuse, Windows) {
     }
   for (const Mesh& mesh : unusable_meshes())
     expect_answer_or_error("mesh", [&] { WindowComputation(mesh, kFieldGrid, 1, {9, 9, 9}, on_cpu()); });
+}
+
+TEST(Misuse, SignDecisions) {
+  const Mesh triangle = one_triangle();
+  const SignDecision none, made = WindowComputation(triangle, kFieldGrid, 1, {9, 9, 9}, on_cpu()).decision();
+  EXPECT_TRUE(none.bytes().empty());
+  expect_usage("empty", [&] { static_cast<void>(none.report()); });
+  expect_usage("empty", [&] { static_cast<void>(none.mesh_hash()); });
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{19}, std::size_t{5000}})
+    expect_answer_or_error("bytes", [&] { SignDecision::from_bytes(std::vector<std::byte>(bytes)); });
+  ComputeOptions decided = on_cpu();
+  decided.decision = made;
+  for (const Mesh& mesh : unusable_meshes())
+    expect_answer_or_error("mesh", [&] { WindowComputation(mesh, kFieldGrid, 1, {9, 9, 9}, decided); });
+  for (const Grid& grid : odd_grids())
+    expect_answer_or_error("grid", [&] {
+      if (grid.sample_count() < 1'000'000) compute(triangle, grid, 1, decided);
+    });
 }
 
 TEST(Misuse, Updates) {

@@ -17,7 +17,7 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
 
-namespace standoff::testing {
+namespace standoff::testing::of_windows {
 namespace {
 
 // Far from the origin, so that any other way to compute a position has other bits.
@@ -241,6 +241,32 @@ TEST(Windows, AreGrids) {
       ErrorCode::usage, "no multiple of 16");
 }
 
+// Grids of so many bricks, and so many rows, that their windows share neither bins of triangles nor crossings of rows.
+TEST(Windows, OfGridsThatAreMostlyEmpty) {
+  const Mesh closed = moved(ball_mesh(1, 6)), open = moved(open_ball());
+  for (const Size3& size : {Size3{40, 2200, 2200}, Size3{1200, 1100, 1200}}) {
+    const Vec3 spacing{0.11, 0.05, 0.05};
+    const Vec3 first{spacing.x * static_cast<double>(size.x / 2), spacing.y * static_cast<double>(size.y / 2),
+                     spacing.z * static_cast<double>(size.z / 2)};
+    const Grid grid{size, kFar - first, spacing};
+    for (const Mesh* const mesh : {&closed, &open}) {
+      const DistanceField whole = compute(*mesh, grid, 0.15, by(SignMethod::winding)).field;
+      WindowComputation windows(*mesh, grid, 0.15, {48, 48, 48}, by(SignMethod::winding));
+      DistanceField field;
+      const auto middle = [&](std::int64_t samples) { return samples / 2 / 16 * 16; };
+      const Size3 at{middle(size.x) - 16, middle(size.y) - 16, middle(size.z) - 16};
+      for (const Part& part : {Part{at, {32, 48, 32}}, Part{{at.x + 5, at.y + 7, at.z}, {9, 16, 20}},
+                               Part{{0, 0, 0}, {16, 16, 16}}, Part{{at.x, at.y, 16}, {16, 16, 16}}}) {
+        windows.compute(part.first, part.size, field);
+        expect_part(whole, field, part);
+      }
+      EXPECT_TRUE(windows.is_reached(at, {32, 48, 32}));
+      EXPECT_FALSE(windows.is_reached({0, 0, 0}, {16, 16, 16}));
+      EXPECT_TRUE(windows.is_empty({0, 0, 0}, {16, 16, 16}));
+    }
+  }
+}
+
 // A window costs the memory of a window.
 TEST(Windows, OfGridsLargerThanMemory) {
   const Mesh mesh = moved(ball_mesh(1, 6));
@@ -262,4 +288,4 @@ TEST(Windows, OfGridsLargerThanMemory) {
 }
 
 }  // namespace
-}  // namespace standoff::testing
+}  // namespace standoff::testing::of_windows

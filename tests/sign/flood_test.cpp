@@ -11,6 +11,7 @@
 
 #include "core/tile_count.h"
 #include "scenes/scenes.h"
+#include "sign/flood/grid_edges.h"
 #include "sign/rows/row_crossings.h"
 #include "tests/sign/cases/solids.h"
 #include "tests/sign/sides_of.h"

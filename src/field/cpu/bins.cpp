@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "field/lattice.h"
 
@@ -90,6 +91,9 @@ class BinBatches {
   BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach);
 
   const Bins& bins() const { return bins_; }
+  Bins take_bins() { return std::move(bins_); }
+  // The indices of all batches.
+  std::int64_t refs() const { return refs_; }
   // Replaces the batch by the next one; false if there is none.
   bool next();
 
@@ -98,7 +102,7 @@ class BinBatches {
 
   const Job& job_;
   const Binning binning_;
-  std::int64_t most_refs_, bricks_, chunks_;
+  std::int64_t most_refs_, bricks_, chunks_, refs_ = 0;
   std::vector<std::uint32_t> keys_;                 // by triangle
   std::vector<std::vector<std::uint32_t>> counts_;  // by chunk of triangles, by brick; later places in a batch
   Bins bins_;
@@ -124,14 +128,14 @@ BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t
   });
 
   // Reserve room for the largest batch: growing later would hold old and new memory at once.
-  std::int64_t all = 0, fullest = 0;
+  std::int64_t fullest = 0;
   for (std::int64_t brick = 0; brick < bricks_; ++brick) {
     std::int64_t here = 0;
     for (const auto& count : counts_) here += count[brick];
-    all += here;
+    refs_ += here;
     fullest = std::max(fullest, here);
   }
-  bins_.refs.reserve(static_cast<std::size_t>(std::min(all, std::max(most_refs, fullest))));
+  bins_.refs.reserve(static_cast<std::size_t>(std::min(refs_, std::max(most_refs, fullest))));
   bins_.start.reserve(static_cast<std::size_t>(bricks_ + 1));
 }
 
@@ -174,6 +178,13 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
                     const std::function<void(const Bins&)>& use, Reach reach) {
   BinBatches batches(job, lattice, most_refs, reach);
   while (batches.next()) use(batches.bins());
+}
+
+std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs) {
+  BinBatches batches(job, lattice, most_refs, Reach::distance);
+  if (batches.refs() > most_refs) return std::nullopt;
+  batches.next();
+  return batches.take_bins();
 }
 
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,

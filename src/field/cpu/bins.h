@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,6 +45,9 @@ inline std::int64_t most_refs(std::int64_t triangles) {
 /// until use() returns. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
                     const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
+
+/// The bins of all bricks; nothing if they would hold more indices than that. As for_each_batch otherwise.
+std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs);
 
 /// Bytes that for_each_batch may hold if each brick has at most `most_refs` triangles.
 std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,

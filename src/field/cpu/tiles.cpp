@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "bvh/order.h"
 #include "core/threads.h"
@@ -49,29 +51,91 @@ void write_brick(const BlockLattice& lattice, const Brick& brick, const Kernels&
 
 // Thin bands.
 
-Counts run_thin_band(const Job& job, const BlockLattice& lattice, const Kernels& kernels, Sink& sink) {
-  PerThread<BrickState> states;
-  const auto gather_brick = [&](const Bins& bins, std::int64_t n) {
+// Gathers bricks by the triangles in their bins.
+class BandBricks {
+ public:
+  explicit BandBricks(const Job& job)
+      : job_(job), lattice_(make_block_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
+
+  const BlockLattice& lattice() const { return lattice_; }
+  void gather(const Bins& bins, std::int64_t n, Sink& sink, ProgressMeter& progress) {
     const auto refs = bins.of(n);
     if (!refs.empty()) {
-      BrickState& state = states.local();
-      const Brick brick = brick_at(lattice, bins.first_brick + n);
-      kernels.clear(sink.with_nearest(), state);
-      kernels.gather_band(lattice, brick, candidates_of(job, refs), sink.with_nearest(), state);
-      write_brick(lattice, brick, kernels, state, sink);
+      BrickState& state = states_.local();
+      const Brick brick = brick_at(lattice_, bins.first_brick + n);
+      kernels_.clear(sink.with_nearest(), state);
+      kernels_.gather_band(lattice_, brick, candidates_of(job_, refs), sink.with_nearest(), state);
+      write_brick(lattice_, brick, kernels_, state, sink);
     }
-    job.progress.advance();
-  };
-  for_each_batch(job, lattice, most_refs(job.triangle_count()), [&](const Bins& bins) {
-    tbb::parallel_for(std::int64_t{0}, bins.bricks(), [&](std::int64_t n) { gather_brick(bins, n); });
+    progress.advance();
+  }
+  /// Of all bricks so far.
+  Counts counts() {
+    Counts counts;
+    states_.for_each([&](const BrickState& state) {
+      counts.samples_examined += state.samples_examined;
+      counts.samples_band += state.samples_band;
+    });
+    return counts;
+  }
+
+ private:
+  const Job& job_;
+  BlockLattice lattice_;
+  const Kernels& kernels_;
+  PerThread<BrickState> states_;
+};
+
+Counts run_thin_band(const Job& job, Sink& sink) {
+  BandBricks bricks(job);
+  for_each_batch(job, bricks.lattice(), most_refs(job.triangle_count()), [&](const Bins& bins) {
+    tbb::parallel_for(std::int64_t{0}, bins.bricks(),
+                      [&](std::int64_t n) { bricks.gather(bins, n, sink, job.progress); });
   });
-  Counts counts;
-  states.for_each([&](const BrickState& state) {
-    counts.samples_examined += state.samples_examined;
-    counts.samples_band += state.samples_band;
-  });
-  return counts;
+  return bricks.counts();
 }
+
+// Windows of a band whose triangles are sorted once, for all of them.
+class ThinBand final : public WindowGather {
+ public:
+  explicit ThinBand(const Job& job)
+      : job_(job), bricks_(job), bins_(all_bins(job, bricks_.lattice(), most_refs(job.triangle_count()))) {}
+
+  bool has_bins() const { return bins_.has_value(); }
+
+  Counts gather(const Grid& window, Sink& sink, ProgressMeter& progress) override {
+    Sink whole = sink.of_window(window, job_.grid);
+    const Counts before = bricks_.counts();
+    tbb::parallel_for(std::int64_t{0}, brick_count(window),
+                      [&](std::int64_t n) { bricks_.gather(*bins_, brick_of(window, n), whole, progress); });
+    const Counts now = bricks_.counts();
+    return {now.samples_examined - before.samples_examined, now.samples_band - before.samples_band};
+  }
+
+  std::optional<bool> is_reached(const Grid& window) const override {
+    for (std::int64_t n = 0; n < brick_count(window); ++n)
+      if (!bins_->of(brick_of(window, n)).empty()) return true;
+    return false;
+  }
+
+ private:
+  // The number in the grid of a window's brick.
+  std::int64_t brick_of(const Grid& window, std::int64_t n) const {
+    const auto along = [](std::int64_t samples) { return (samples + kBrickSide - 1) / kBrickSide; };
+    const auto first = [&](std::size_t axis) { return (window.first[axis] - job_.grid.first[axis]) / kBrickSide; };
+    const std::int64_t x = along(window.size.x), y = along(window.size.y);
+    return first(0) + n % x +
+           along(job_.grid.size.x) * (first(1) + n / x % y + along(job_.grid.size.y) * (first(2) + n / (x * y)));
+  }
+
+  const Job& job_;
+  BandBricks bricks_;
+  std::optional<Bins> bins_;
+};
+
+// The bins of all bricks are held for windows where there are at most so many bricks, or one for each triangle. The
+// value is a choice: a grid of 1024 samples per axis has as many.
+constexpr std::int64_t kMostBricksHeld = std::int64_t{1} << 18;
 
 std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
   return bins_scratch_bytes(triangles, lattice, most_refs(triangles), threads) +
@@ -196,13 +260,19 @@ std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lat
 Counts run_tiles(const Job& job, Sink& sink) {
   job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
   if (!is_thin(job.grid, job.thickness)) return ThickBand(job).gather(job.grid, sink, job.progress);
-  const BlockLattice lattice = make_block_lattice(job.grid, job.thickness);
-  return run_thin_band(job, lattice, kernels_for(job.simd), sink);
+  return run_thin_band(job, sink);
+}
+
+bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness) {
+  return !is_thin(grid, thickness) || brick_count(grid) <= std::max(kMostBricksHeld, triangles);
 }
 
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
-  if (is_thin(job.grid, job.thickness)) return nullptr;
-  return std::make_unique<ThickBand>(job);
+  if (!tiles_prepare_whole(static_cast<std::int64_t>(job.mesh.triangles.size()), job.grid, job.thickness))
+    return nullptr;
+  if (!is_thin(job.grid, job.thickness)) return std::make_unique<ThickBand>(job);
+  auto band = std::make_unique<ThinBand>(job);
+  return band->has_bins() ? std::move(band) : nullptr;
 }
 
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }

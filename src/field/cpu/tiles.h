@@ -13,6 +13,8 @@ namespace standoff::cpu {
 Counts run_tiles(const Job& job, Sink& sink);
 /// BackendRow::in_windows.
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job);
+/// BackendRow::prepares_whole.
+bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness);
 std::string tiles_device(Simd requested);
 std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
 

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <string>
 #include <system_error>
 
@@ -30,26 +31,42 @@ using Packed = std::vector<std::byte>;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::usage, "zarr: " + what); }
 
-// Takes what an array holds out of a field: a chunk, x fastest, whose first sample is `first` of the field.
-class ChunkGatherer {
+// The bytes of a chunk in a file.
+Packed packed_bytes(const ArrayLayout& layout, std::span<const std::uint32_t> chunk) {
+  const auto bytes = std::as_bytes(chunk);
+  Packed packed = layout.blosc ? blosc_packed(bytes) : Packed(bytes.begin(), bytes.end());
+  if (!layout.checked) return packed;
+  const std::uint32_t sum = crc32c(packed);
+  const auto end = std::as_bytes(std::span(&sum, 1));
+  packed.insert(packed.end(), end.begin(), end.end());
+  return packed;
+}
+
+// Packs what an array holds of a field, chunk by chunk.
+class ChunkPacker {
  public:
-  ChunkGatherer(const ArrayLayout& layout, const DistanceField& field) : layout_(layout), field_(field) {
+  ChunkPacker(const ArrayLayout& layout, const DistanceField& field) : layout_(layout), field_(field) {
     const auto bytes =
         layout.whole_numbers ? std::as_bytes(field.tile_nearest_values()) : std::as_bytes(field.tile_values());
     values_ = bytes.data();
     inside_ = layout.whole_numbers ? layout.fill : std::bit_cast<std::uint32_t>(-static_cast<float>(field.thickness()));
   }
 
-  /// Returns false if all samples have the fill value.
-  bool gather(const Size3& first, std::vector<std::uint32_t>& chunk) const {
-    const Size3 end = least(plus(first, layout_.chunk), field_.grid().size);
+  /// The chunk whose first sample is `first` of the field; nothing if all its samples have the fill value.
+  Packed pack(const Size3& first) const {
+    const Size3 whole = plus(first, layout_.chunk), end = least(whole, field_.grid().size);
     const Size3 begin_tile{first.x / kTileSide, first.y / kTileSide, first.z / kTileSide};
     const Size3 end_tile = parts_of(end, Size3{kTileSide, kTileSide, kTileSide});
-    if (!any_tile(begin_tile, end_tile)) return false;
-    chunk.assign(static_cast<std::size_t>(layout_.chunk.count()), layout_.fill);
+    std::int64_t stored = 0, inside = 0;
+    for_each_tile(begin_tile, end_tile, [&](const Size3&, std::int32_t slot) { ++(slot < 0 ? inside : stored); });
+    if (stored == 0 && (inside == 0 || inside_ == layout_.fill)) return {};
+    if (stored == 0 && end == whole && kTileSamples * inside == layout_.chunk.count()) return all_inside();
+    const KeptByThread<std::vector<std::uint32_t>> chunk;
+    chunk->assign(static_cast<std::size_t>(layout_.chunk.count()), layout_.fill);
     for_each_tile(begin_tile, end_tile,
-                  [&](const Size3& tile, std::int32_t slot) { copy_tile(tile, slot, first, end, chunk); });
-    return std::ranges::any_of(chunk, [fill = layout_.fill](std::uint32_t value) { return value != fill; });
+                  [&](const Size3& tile, std::int32_t slot) { copy_tile(tile, slot, first, end, *chunk); });
+    if (std::ranges::all_of(*chunk, [fill = layout_.fill](std::uint32_t value) { return value == fill; })) return {};
+    return packed_bytes(layout_, *chunk);
   }
 
  private:
@@ -65,10 +82,12 @@ class ChunkGatherer {
           if (slot != DistanceField::kOutside) visit(Size3{x, y, z}, slot);
         }
   }
-  bool any_tile(const Size3& begin, const Size3& end) const {
-    bool any = false;
-    for_each_tile(begin, end, [&](const Size3&, std::int32_t) { any = true; });
-    return any;
+  // In a large solid these are most chunks.
+  const Packed& all_inside() const {
+    std::call_once(once_, [&] {
+      all_inside_ = packed_bytes(layout_, std::vector(static_cast<std::size_t>(layout_.chunk.count()), inside_));
+    });
+    return all_inside_;
   }
 
   // The samples of the grid alone: those beyond it are the fill value, whatever the tile has there.
@@ -94,20 +113,9 @@ class ChunkGatherer {
   const DistanceField& field_;
   const std::byte* values_;
   std::uint32_t inside_;
+  mutable std::once_flag once_;
+  mutable Packed all_inside_;
 };
-
-// The bytes of a chunk in a file; none if all its samples have the fill value.
-Packed packed_chunk(const ArrayLayout& layout, const ChunkGatherer& from, const Size3& first) {
-  const KeptByThread<std::vector<std::uint32_t>> chunk;
-  if (!from.gather(first, *chunk)) return {};
-  const auto bytes = std::as_bytes(std::span(*chunk));
-  Packed packed = layout.blosc ? blosc_packed(bytes) : Packed(bytes.begin(), bytes.end());
-  if (!layout.checked) return packed;
-  const std::uint32_t sum = crc32c(packed);
-  const auto end = std::as_bytes(std::span(&sum, 1));
-  packed.insert(packed.end(), end.begin(), end.end());
-  return packed;
-}
 
 // Packs `count` chunks on all threads, each by pack(n). While it waits, a thread takes up none of the other shards:
 // else it would hold more and more of them.
@@ -152,11 +160,11 @@ void append(const std::filesystem::path& path, std::span<const std::byte> bytes,
 void write_shard(const StoredLayout& layout, const Size3& shard, const DistanceField& window, const Size3& first,
                  bool sync) {
   const Size3 parts = layout.chunks();
-  const ChunkGatherer from(layout, window);
+  const ChunkPacker packer(layout, window);
   const std::vector<Packed> packed = pack_all(static_cast<std::size_t>(parts.count()), [&](std::size_t n) {
     const Size3 at = plus(first, times(part_at(n, parts), layout.chunk));
     const Size3& size = window.grid().size;
-    return at.x < size.x && at.y < size.y && at.z < size.z ? packed_chunk(layout, from, at) : Packed();
+    return at.x < size.x && at.y < size.y && at.z < size.z ? packer.pack(at) : Packed();
   });
   const std::filesystem::path path = layout.folder / layout.file_name(shard);
   ShardIndex index(parts);
@@ -321,12 +329,12 @@ Size3 LayeredWriter::shard_at(const Array& array, std::size_t shard) const {
 void LayeredWriter::write_chunks(Array& array, std::size_t shard, const DistanceField& field, std::int64_t first) {
   const StoredLayout& layout = *array.layout;
   const Size3 at = shard_at(array, shard), parts{layout.chunks().x, layout.chunks().y, 1};
-  const ChunkGatherer from(layout, field);
+  const ChunkPacker packer(layout, field);
   const std::vector<Packed> packed = pack_all(static_cast<std::size_t>(parts.count()), [&](std::size_t n) {
     const Size3 part = part_at(n, parts);
     const Size3 begin{at.x * layout.shard.x + part.x * layout.chunk.x, at.y * layout.shard.y + part.y * layout.chunk.y,
                       first};
-    return begin.x < layout.shape.x && begin.y < layout.shape.y ? packed_chunk(layout, from, begin) : Packed();
+    return begin.x < layout.shape.x && begin.y < layout.shape.y ? packer.pack(begin) : Packed();
   });
   if (std::ranges::all_of(packed, &Packed::empty)) return;
   Shard& state = array.shards[shard];

@@ -5,10 +5,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "core/tile_count.h"
 #include "sign/diagnosis/closed.h"
+#include "sign/flood/grid_edges.h"
+#include "standoff/error.h"
 
 namespace standoff {
 namespace {
@@ -32,11 +36,32 @@ constexpr double kCertainly = 1.5;
 // Half a spacing, in the steps of the distances.
 constexpr auto kHalf = static_cast<std::uint16_t>(RimDistances::kFar / kCertainly);
 
-}  // namespace
+using Sample = std::array<std::int64_t, 3>;  // of the lattice
+
+// A flood at work.
+class Flooding {
+ public:
+  Flooding(MeshView mesh, const Grid& grid, const TileLattice& lattice, ProgressMeter& progress);
+
+  FloodSides take_sides() { return {edges_.take_tiles(), std::move(parts_), std::move(whole_tiles_)}; }
+
+ private:
+  class Settling;
+
+  void flood(ProgressMeter& progress);
+  void enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next);
+  TileBits apart(const GridEdges& edges, std::size_t tile) const;
+  TileBits reached(std::size_t tile) const;
+
+  const TileLattice& lattice_;
+  GridEdges edges_;                // no path takes these
+  std::vector<TileBits> parts_;    // the samples reached, of each tile with such edges
+  std::vector<bool> whole_tiles_;  // whether each of the other tiles was reached
+};
 
 // Floods from the outermost tiles. A tile without crossed edges is reached as a whole. The result does not depend on
 // the order of the tiles.
-void Flood::flood(ProgressMeter& progress) {
+void Flooding::flood(ProgressMeter& progress) {
   std::vector<std::size_t> next;
   for_each_outermost(lattice_, [&](std::size_t tile, Face face) { enter(tile, at_face(face), next); });
   for (std::size_t n = 0; !next.empty(); ++n) {
@@ -56,7 +81,7 @@ void Flood::flood(ProgressMeter& progress) {
   }
 }
 
-void Flood::enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next) {
+void Flooding::enter(std::size_t tile, const TileBits& samples, std::vector<std::size_t>& next) {
   if (!any(samples)) return;
   if (!edges_.tiles().has(tile)) {
     if (whole_tiles_[tile]) return;
@@ -75,7 +100,7 @@ void Flood::enter(std::size_t tile, const TileBits& samples, std::vector<std::si
 }
 
 // The samples of a tile that none of their six edges joins to another sample, where a path takes none of `edges`.
-TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
+TileBits Flooding::apart(const GridEdges& edges, std::size_t tile) const {
   const TileEdges& own = edges.of_tile(tile);
   TileBits joined = {};
   for_each_neighbour(lattice_, tile, [&](Face face, std::size_t other) {
@@ -96,10 +121,10 @@ TileBits Flood::apart(const GridEdges& edges, std::size_t tile) const {
 // way that is much narrower than others from the same sample leads through a gap, and does not count. So sides spread
 // from sample to sample, in rounds, from samples whose side is known: outside if the flood reached them, inside if it
 // did not although they are not apart. Samples to which nothing spreads are inside.
-class Flood::Settling {
+class Flooding::Settling {
  public:
   // `crossed`: the edges that cross a triangle.
-  Settling(Flood& flood, const GridEdges& crossed, const RimDistances& rims)
+  Settling(Flooding& flood, const GridEdges& crossed, const RimDistances& rims)
       : flood_(flood), lattice_(flood.lattice_), tiles_(flood.edges_.tiles()), crossed_(crossed), rims_(rims) {
     const GridEdges certain(crossed, rims, RimDistances::kFar, lattice_);
     std::vector<std::size_t> tiles;
@@ -209,7 +234,7 @@ class Flood::Settling {
     return sample;
   }
 
-  Flood& flood_;
+  Flooding& flood_;
   const TileLattice& lattice_;
   const TileSet& tiles_;  // with edges that no path takes
   const GridEdges& crossed_;
@@ -219,10 +244,8 @@ class Flood::Settling {
   std::vector<std::pair<Sample, Side>> decided_;
 };
 
-Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
-    : lattice_(TileLattice::around(grid, bounds(mesh))),
-      edges_(mesh, lattice_, progress),
-      whole_tiles_(lattice_.tile_count()) {
+Flooding::Flooding(MeshView mesh, const Grid& grid, const TileLattice& lattice, ProgressMeter& progress)
+    : lattice_(lattice), edges_(mesh, lattice_, progress), whole_tiles_(lattice_.tile_count()) {
   const std::vector<RimEdge> rims = is_closed(mesh).unoriented ? std::vector<RimEdge>() : rim_edges_of(mesh, progress);
   if (rims.empty()) {
     parts_.resize(edges_.tiles().count());
@@ -235,17 +258,31 @@ Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
     flood(progress);
     Settling(*this, crossed, distances).run(progress);
   }
-  inside_samples_ = count_inside(grid.size);
 }
 
-TileBits Flood::reached(std::size_t tile) const {
+TileBits Flooding::reached(std::size_t tile) const {
   if (edges_.tiles().has(tile)) return parts_[edges_.tiles().number(tile)];
   return whole_tiles_[tile] ? kAllBits : TileBits{};
 }
 
+}  // namespace
+
+Flood::Flood(MeshView mesh, const Grid& grid, ProgressMeter& progress)
+    : size_(grid.size),
+      lattice_(TileLattice::around(grid, bounds(mesh))),
+      sides_(std::make_shared<const FloodSides>(Flooding(mesh, grid, lattice_, progress).take_sides())) {}
+
+Flood::Flood(MeshView mesh, const Grid& grid, std::shared_ptr<const FloodSides> sides)
+    : size_(grid.size), lattice_(TileLattice::around(grid, bounds(mesh))), sides_(std::move(sides)) {
+  if (sides_->whole.size() != lattice_.tile_count())
+    throw Error(ErrorCode::input, "sign decision: its flood has " + std::to_string(sides_->whole.size()) +
+                                      " tiles, where this mesh and grid have " + std::to_string(lattice_.tile_count()) +
+                                      "; make a new one");
+}
+
 TileBits Flood::inside_of(const Size3& size, const std::array<std::int64_t, 3>& tile) const {
   const std::size_t index = lattice_.index_in_grid(tile[0], tile[1], tile[2]);
-  return whole_tiles_[index] ? TileBits{} : bits_in_grid(size, tile) & ~reached(index);
+  return sides_->whole[index] ? TileBits{} : bits_in_grid(size, tile) & ~sides_->reached(index);
 }
 
 void Flood::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
@@ -255,11 +292,11 @@ void Flood::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   }
 }
 
-std::int64_t Flood::count_inside(const Size3& size) const {
+std::int64_t Flood::inside_samples() const {
   std::int64_t sum = 0;
-  for (std::int64_t tz = 0; tz < tiles_along(size.z); ++tz)
-    for (std::int64_t ty = 0; ty < tiles_along(size.y); ++ty)
-      for (std::int64_t tx = 0; tx < tiles_along(size.x); ++tx) sum += count(inside_of(size, {tx, ty, tz}));
+  for (std::int64_t tz = 0; tz < tiles_along(size_.z); ++tz)
+    for (std::int64_t ty = 0; ty < tiles_along(size_.y); ++ty)
+      for (std::int64_t tx = 0; tx < tiles_along(size_.x); ++tx) sum += count(inside_of(size_, {tx, ty, tz}));
   return sum;
 }
 

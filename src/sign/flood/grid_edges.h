@@ -62,6 +62,8 @@ class GridEdges {
 
   /// The tiles with crossed edges. An edge between two tiles belongs to the lower one.
   const TileSet& tiles() const { return tiles_; }
+  /// Gives the set away.
+  TileSet take_tiles() { return std::move(tiles_); }
   const TileEdges& of_tile(std::size_t tile) const { return tiles_.has(tile) ? edges_[tiles_.number(tile)] : kNoEdges; }
 
  private:

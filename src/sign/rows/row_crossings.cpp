@@ -3,11 +3,14 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -103,7 +106,7 @@ RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressM
       try_(std::min(rows_of_tiles_, kMostRowsOfTiles)) {}
 
 std::int64_t RowCrossings::load(std::int64_t first) {
-  if (first == first_ && begin_.size() > 1) return first_ + std::ssize(begin_) - 1;  // they are held
+  if (const std::int64_t end = first_ + std::ssize(begin_) - 1; first >= first_ && first < end) return end;  // held
   // Try whole layers of tiles, or a part of one layer; then less, and at last row by row.
   for (;; try_ = std::max<std::int64_t>(1, try_ / 2)) {
     std::int64_t count = std::min(try_, rows_of_tiles_ - first);
@@ -172,6 +175,20 @@ void RowCrossings::find_row_by_row(std::int64_t tiles) {
     }
   crossings_ = std::move(all);
   begin_ = {0, crossings_.size()};
+}
+
+double RowCrossings::expected_bytes(const OrientedMesh& mesh, const Grid& grid) {
+  const double per_area = 1 / (grid.spacing.y * grid.spacing.z);
+  const auto add = [&](const tbb::blocked_range<std::size_t>& range, double sum) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const auto [a, b, c] = mesh.mesh.corners(t);
+      sum += std::abs(cross(b - a, c - a).x) * (per_area / 2);
+    }
+    return sum;
+  };
+  const double crossings = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.mesh.triangles.size(), 1 << 16), 0.0, add, std::plus<>());
+  return crossings * sizeof(FoundCrossing) + crossings * sizeof(RowCrossing);
 }
 
 std::int64_t RowCrossings::least_bytes(std::int64_t triangles, int threads) {

@@ -60,6 +60,8 @@ class RowCrossings {
     return std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
   }
 
+  /// What all crossings of a grid take while they are found, about, if all of the mesh is beside the grid's rows.
+  static double expected_bytes(const OrientedMesh& mesh, const Grid& grid);
   /// The least value of `bytes` for a mesh, which is enough for one row.
   static std::int64_t least_bytes(std::int64_t triangles, int threads);
   /// The most memory that is held beside the crossings.

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The content of a SignDecision: bytes, and what their head says. The lists behind it are unpacked for a mesh, whose
+// size bounds them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sign/plan.h"
+#include "standoff/grid.h"
+#include "standoff/mesh.h"
+#include "standoff/sign_decision.h"
+
+namespace standoff {
+
+/// The checksum, and all that it is of.
+class SignDecision::Content {
+ public:
+  /// Reads the head. Throws Error{input}.
+  explicit Content(std::vector<std::byte> bytes);
+
+  std::span<const std::byte> bytes() const { return bytes_; }
+  std::uint64_t mesh_hash = 0;
+  std::uint64_t triangles = 0;
+  SignOptions made_for;
+  SignReport report;
+  std::optional<Grid> grid;                                  ///< of the flood
+  std::span<const std::byte> use, exposed, boundary, flood;  ///< packed: of SignPlan
+
+  Content(const Content&) = delete;
+  Content& operator=(const Content&) = delete;
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+/// The decision of a plan whose signs are made. `hash`: of the mesh. Requires the grid of the plan's flood.
+SignDecision decision_of(const SignPlan& plan, MeshView mesh, std::uint64_t hash, const SignOptions& options,
+                         const Grid& grid);
+
+/// The plan of a decision. Throws Error{usage} where the decision is for another mesh, grid or other options,
+/// Error{input} where it is damaged, Error{doubt} where it is not certain and the options are `strict`. `hash`: of the
+/// mesh, which must be valid.
+SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash, const SignOptions& options,
+                 const Grid& grid);
+
+/// Puts the mark, the version and the checksum before the bytes of a decision.
+std::vector<std::byte> sealed(std::span<const std::byte> content);
+/// How many bytes that are.
+inline constexpr std::size_t kSealBytes = 20;
+
+}  // namespace standoff
