@@ -8,9 +8,12 @@ the order of its work can be seen in the result.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
+import sys
 import threading
 import time
+import warnings
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -101,11 +104,26 @@ def _windows_of(job: _Job) -> FieldWindows:
     with _preparing:
         windows = _prepared.get(job.token)
         if windows is None:
+            _keep_freed_memory()
             while len(_prepared) >= _MOST_PREPARED:
                 _prepared.popitem(last=False)
             windows = _prepared[job.token] = job.prepare(job.threads or _threads_here())
         _prepared.move_to_end(job.token)
         return windows
+
+
+def _keep_freed_memory() -> None:
+    """Undoes in a worker what Dask's nanny asks of glibc by default: to give memory back as soon as it is freed.
+
+    Packing a shard would take new pages for each of its chunks, which costs more than all other work of a window.
+    """
+    if sys.platform != "linux" or os.environ.get("MALLOC_TRIM_THRESHOLD_") != "65536":
+        return
+    trim_threshold, mmap_threshold = -1, -3  # M_TRIM_THRESHOLD, M_MMAP_THRESHOLD
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is not None:
+        mallopt(trim_threshold, 64 << 20)
+        mallopt(mmap_threshold, 32 << 20)
 
 
 def _decided(job: _Job) -> _Job:
@@ -375,7 +393,9 @@ def _by_client(client: Any, job: _Job, target: Target, todo: list[tuple[Triple, 
     from distributed import KilledWorker, as_completed
 
     # A task that gives the mesh, not scattered data: it can be had again after the workers that held it died.
-    held = client.submit(_identity, job, key=f"standoff-mesh-{job.token}")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Sending large graph", UserWarning)  # once, not with every task
+        held = client.submit(_identity, job, key=f"standoff-mesh-{job.token}")
 
     def submit(first: Triple, size: Triple, turn: int) -> Any:
         key = f"standoff-write-{job.token}-{turn}-{first}"

@@ -32,7 +32,7 @@ LAYOUT = {"shard": 32, "chunk": 16}
 @pytest.fixture
 def client():
     with (
-        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as connected,
     ):
         yield connected
@@ -108,7 +108,7 @@ def test_the_sign_is_decided_once(tmp_path, monkeypatch):
     assert whole.sign.flipped > 0
     with (
         dask.config.set({"distributed.worker.preload": [str(tmp_path / "counts.py")]}),
-        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as client,
     ):
         lazy = sd.compute(mended(), window=32, **SIZES)
@@ -209,7 +209,7 @@ def deadly_client(tmp_path, monkeypatch):
             monkeypatch.setenv("STANDOFF_TEST_ALWAYS", "1" if always else "")
             settings = {"distributed.worker.preload": [str(preload)], "distributed.scheduler.allowed-failures": 1}
             stack.enter_context(dask.config.set(settings))
-            cluster = LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0")
+            cluster = LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0")
             return stack.enter_context(Client(stack.enter_context(cluster)))
 
         yield start
@@ -365,7 +365,7 @@ def test_a_worker_is_killed_in_a_batch(tmp_path):
     options = {"resolution": 64, "band": 2}
     so.batch(meshes, tmp_path / "serial", **options)
     with (
-        LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
         Client(cluster) as connected,
     ):
         pids = connected.run(os.getpid)
