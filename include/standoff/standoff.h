@@ -16,6 +16,7 @@
 #include "standoff/exposed.h"
 #include "standoff/feature.h"
 #include "standoff/field.h"
+#include "standoff/field_cache.h"
 #include "standoff/field_slices.h"
 #include "standoff/grid.h"
 #include "standoff/inspect.h"

@@ -252,14 +252,18 @@ TEST_F(Errors, StandardOutputThatFailsLosesNoFile) {
 TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("compute scene:box -r 150 -o full.vti"));
   done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle --uncompressed"));
-  for (const std::string line :
-       {"info full.vti", "slice full.vti", "verify full.vti scene:box", "convert full.vti -o b.vti"}) {
+  for (const std::string line : {"info full.vti", "slice full.vti"}) {
     const Ran ran = run(words(line + " --memory-limit 5M"));
     EXPECT_EQ(ran.code, 5) << line;
     EXPECT_TRUE(ran.says("standoff: error: full.vti: its tiles need ")) << ran.err;
     EXPECT_TRUE(ran.says(" MiB, more than the limit of 5 MiB; give a higher limit\n")) << ran.err;
     done(words(line + " --memory-limit 40M"));
   }
+  // Some slices at a time where all are too many.
+  done(words("verify full.vti scene:box --memory-limit 5M"));
+  for (const char* limit : {"5M", "40M"})
+    done(words(std::string("convert full.vti -o ") + limit + ".vti --memory-limit " + limit));
+  EXPECT_EQ(read_bytes(folder / "5M.vti"), read_bytes(folder / "40M.vti"));
   const std::int64_t size = static_cast<std::int64_t>(std::filesystem::file_size(folder / "band.npz"));
   ASSERT_GT(size, std::int64_t{10} << 20);
   done(words("info band.npz --memory-limit 9M"));
