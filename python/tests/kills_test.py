@@ -52,7 +52,9 @@ def writer(tmp_path):
     def start(store):
         command = [sys.executable, str(tmp_path / "writer.py"), str(Path(__file__).parent), str(store)]
         with open(tmp_path / "errors.txt", "w") as errors:
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, text=True, start_new_session=True)
+            process = subprocess.Popen(
+                command, stdout=subprocess.PIPE, stderr=errors, text=True, start_new_session=True
+            )
         return process, [int(word) for word in process.stdout.readline().split()]
 
     return start
