@@ -501,6 +501,9 @@ void ComputeCommand::check_decision() const {
   if (!decision) return;
   if (!window)
     throw Error(ErrorCode::usage, "--decision: it is for the windows of a field; give --window, or leave it out");
+  if (cache.given())
+    throw Error(ErrorCode::usage,
+                "--decision and --cache cannot go together: a field of the cache is decided already; leave one out");
   std::error_code ignored;
   if (const auto status = std::filesystem::status(*decision, ignored);
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))

@@ -35,7 +35,7 @@ class STANDOFF_API FieldCache {
     std::string problem;
   };
   /// Does what compute() does, unless the folder has the field; and keeps it there as .npz. Nearest triangles are not
-  /// kept. Errors: as compute(); usage, for options.nearest.
+  /// kept. Errors: as compute(); usage, for options.nearest and options.decision.
   Computed compute(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options = {}) const;
 
   // For files of one's own.
@@ -50,7 +50,8 @@ class STANDOFF_API FieldCache {
     bool compress = true;
     std::optional<Window> window = {};  ///< the file has these of the grid's samples alone
   };
-  /// Everything that decides the bytes of a field's file. Devices, threads and limits do not.
+  /// Everything that decides the bytes of a field's file. Devices, threads and limits do not. Errors of key(): usage,
+  /// for options.nearest and options.decision.
   struct Key {
     std::string text;
     std::string extension;

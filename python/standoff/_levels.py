@@ -12,6 +12,16 @@ from ._errors import Error
 from ._targets import Target, Triple
 
 
+def threads_here() -> int:
+    """The threads of this worker of Dask; of no worker, all."""
+    try:
+        from distributed import get_worker
+
+        return int(get_worker().state.nthreads)
+    except (ImportError, ValueError):
+        return 0
+
+
 def level_count(levels: Any, shape: Triple) -> int:
     """Errors: ValueError, more levels than a grid has."""
     count, most = whole_number(levels, "levels"), (max(shape) - 1).bit_length() + 1
@@ -31,30 +41,36 @@ def _parts(target: Target, level: int, shape: Triple, shard: Triple) -> Iterator
 
 
 def write_levels(
-    target: Target, levels: int, shape: Triple, shard: Triple, threads: int, client: Any, computed: int
+    target: Target, levels: int, shape: Triple, shard: Triple, threads: int | None, client: Any, computed: int
 ) -> None:
     """Makes the levels of a complete level 0 and lists them. Shards that are there stay: they are of the same samples.
 
     Args:
-        computed: windows of level 0 that were written just now; if there are none, levels that are listed are complete.
+        threads: of each task; None: as many as its worker has.
+        computed: windows of level 0 that were written just now.
     """
-    if target.open().levels >= levels and computed == 0:
+    is_listed = computed == 0 and target.open().levels >= levels
+    if is_listed and not any(next(_parts(target, level, shape, shard), None) for level in range(1, levels)):
         return
     target.begin_levels(levels)
     for level in range(1, levels):
         parts = list(_parts(target, level, shape, shard))
         if client is None:
             for first, size in parts:
-                target.write_level(level, first, size, threads)
+                _write(target, level, first, size, threads)
         else:
             _by_client(target, level, parts, threads, client)
     target.end_levels(levels)
 
 
-def _by_client(target: Target, level: int, parts: list[tuple[Triple, Triple]], threads: int, client: Any) -> None:
+def _write(target: Target, level: int, first: Triple, shape: Triple, threads: int | None) -> None:
+    target.write_level(level, first, shape, threads or threads_here())
+
+
+def _by_client(target: Target, level: int, parts: list[tuple[Triple, Triple]], threads: int | None, client: Any) -> None:
     from distributed import KilledWorker
 
-    futures = [client.submit(target.write_level, level, *part, threads, pure=False) for part in parts]
+    futures = [client.submit(_write, target, level, *part, threads, pure=False) for part in parts]
     try:
         client.gather(futures)
     except KilledWorker as error:

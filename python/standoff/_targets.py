@@ -200,7 +200,11 @@ class Target:
         files = self.files()
         with _scratch() as folder:
             self.copy_metadata(Path(folder))
+            group = Path(folder) / "zarr.json"
+            before = group.read_bytes()
             _core.open_store(Path(folder), 0).write(first, window._native(), threads)
+            if group.read_bytes() != before:  # its levels are no longer those of the field
+                files.put("zarr.json", group.read_bytes())
             _put_all(files, Path(folder), ARRAY)
 
     def begin_levels(self, levels: int) -> None:

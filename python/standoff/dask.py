@@ -26,7 +26,7 @@ from ._batch import BatchResult, merged
 from ._batch import batch as batch_here
 from ._checks import PathLike, flag, triple, whole_number
 from ._errors import Error, OutputError, UsageError
-from ._levels import level_count, write_levels
+from ._levels import level_count, threads_here, write_levels
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, grid_of, progress_of
 from ._targets import Target, Triple
@@ -107,7 +107,7 @@ def _windows_of(job: _Job) -> FieldWindows:
             _keep_freed_memory()
             while len(_prepared) >= _MOST_PREPARED:
                 _prepared.popitem(last=False)
-            windows = _prepared[job.token] = job.prepare(job.threads or _threads_here())
+            windows = _prepared[job.token] = job.prepare(job.threads or threads_here())
         _prepared.move_to_end(job.token)
         return windows
 
@@ -129,16 +129,6 @@ def _keep_freed_memory() -> None:
 def _decided(job: _Job) -> _Job:
     """The job with how its sign is decided: one process finds it out, and the others prepare the mesh faster."""
     return replace(job, decision=_windows_of(job).decision)
-
-
-def _threads_here() -> int:
-    """The threads of this worker; of no worker, all."""
-    try:
-        from distributed import get_worker
-
-        return int(get_worker().state.nthreads)
-    except (ImportError, ValueError):
-        return 0
 
 
 def _decided_node(job: _Job) -> Any:
@@ -230,7 +220,7 @@ class Written:
 
 def _write_window(job: _Job, target: Target, first: Triple, shape: Triple) -> Triple:
     windows = _windows_of(job)
-    target.write(first, windows.field(first, shape), job.threads or _threads_here())
+    target.write(first, windows.field(first, shape), job.threads or threads_here())
     return first
 
 
@@ -330,7 +320,7 @@ def write(
         for count, _ in enumerate(done, start=1):
             if report is not None:
                 report("write", count / len(todo))
-    write_levels(target, count_of_levels, job.grid.shape, shards, job.threads or 0, client, len(todo))
+    write_levels(target, count_of_levels, job.grid.shape, shards, job.threads, client, len(todo))
     count = int(np.prod([-(-n // s) for n, s in zip(job.grid.shape, shards)], dtype=np.int64))
     return Written(count, len(todo), kept, empty, time.monotonic() - began)
 
@@ -430,7 +420,7 @@ def _by_client(client: Any, job: _Job, target: Target, todo: list[tuple[Triple, 
 
 
 def _batch_part(meshes: str, out: str, part: int, parts: int, options: dict[str, Any]) -> int:
-    options = {"threads": _threads_here()} | options
+    options = {"threads": threads_here()} | options
     while True:
         try:
             batch_here(meshes, out, shard=(part, parts), resume=True, **options)

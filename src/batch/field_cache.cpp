@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "batch/content_hash.h"
+#include "core/guarded.h"
 #include "core/number_text.h"
 #include "files/atomic_file.h"
 #include "files/file_view.h"
@@ -124,16 +125,13 @@ fs::path with_extension(fs::path entry, const std::string& extension) { return e
 void link_or_copy(const fs::path& from, const fs::path& to, Existing existing) {
   if (::link(from.c_str(), to.c_str()) == 0) return;
   if (errno == EEXIST && existing == Existing::replace) {
-    const fs::path beside = to.parent_path() / (".standoff-" + std::to_string(::getpid()) + "-" +
-                                                to.filename().string().substr(0, 100) + ".part");
-    ::unlink(beside.c_str());
-    if (::link(from.c_str(), beside.c_str()) == 0) {
-      const int slot = note_unfinished(beside);
-      const bool renamed = ::rename(beside.c_str(), to.c_str()) == 0;
-      ::unlink(beside.c_str());  // it is still there where both names were of one file
-      forget_unfinished(slot);
-      if (renamed) return;
-    }
+    const fs::path beside = to.parent_path() / unfinished_name();
+    const int slot = note_unfinished(beside);
+    const bool renamed =
+        ::link(from.c_str(), beside.c_str()) == 0 && ::rename(beside.c_str(), to.c_str()) == 0;
+    ::unlink(beside.c_str());  // it is still there where both names were of one file
+    forget_unfinished(slot);
+    if (renamed) return;
   }
   const FileView bytes(from, FileView::Access::map);
   AtomicFile copy(to, existing);
@@ -150,23 +148,38 @@ const char* rule_name(WindingRule rule) {
   return rule == WindingRule::positive ? "positive" : rule == WindingRule::nonzero ? "nonzero" : "odd";
 }
 
+// Why, of the exception that is being handled; all but an interrupt, which is thrown on.
+std::string not_kept() {
+  try {
+    throw_as_error("cache");
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::interrupted) throw;
+    return std::string("the field is not kept in the cache: ") + error.what();
+  }
+}
+
 }  // namespace
 
-FieldCache::FieldCache(const fs::path& folder) : folder_(folder) {
+FieldCache::FieldCache(const fs::path& folder) try : folder_(folder) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_, error))
     throw Error(ErrorCode::output, folder_.string() + ": cannot make the folder of the cache: " +
                                        (error ? error.message() : "a file is in the way") + "; give another one");
+} catch (...) {
+  throw_as_error("cache");
 }
 
 FieldCache::Key FieldCache::key(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options,
-                                const File& file) {
+                                const File& file) try {
+  const auto refuse = [](const char* what) { throw Error(ErrorCode::usage, std::string("cache: ") + what); };
+  if (options.nearest) refuse("it keeps distances alone; leave it out, or the nearest triangles");
+  if (!options.decision.empty()) refuse("it keeps what is decided here; leave it out, or the sign decision");
   const SignOptions& sign = options.sign;
   std::string text = std::string("standoff ") + version();
   text += "; mesh " + hash_text(content_hash(mesh)) + " of " + std::to_string(mesh.triangles.size()) + " triangles, " +
           std::to_string(mesh.vertices.size()) + " vertices";
-  text += "; size " + three(grid.size) + ", origin " + three(grid.corner()) + ", spacing " + three(grid.spacing);
+  text += "; size " + three(grid.size) + ", origin " + three(grid.origin) + ", first " + three(grid.first) + ", spacing " + three(grid.spacing);
   text += "; thickness " + exact_text(thickness);
   text += std::string("; sign ") + find_info(sign.method)->name + " " + rule_name(sign.rule);
   for (const auto& [given, name] : {std::pair{sign.invert, " invert"},
@@ -180,6 +193,8 @@ FieldCache::Key FieldCache::key(MeshView mesh, const Grid& grid, double thicknes
   if (file.window) text += "; window from " + three(file.window->first) + ", size " + three(file.window->size);
   text += "; " + file.extension + (file.compress ? "" : " uncompressed");
   return {text, file.extension};
+} catch (...) {
+  throw_as_error("cache");
 }
 
 // The entry's name without an extension.
@@ -195,21 +210,25 @@ FieldCache::Fetched FieldCache::look_up(const Key& key) const {
   std::error_code ignored;
   if (!fs::exists(about, ignored) || !fs::exists(kept, ignored)) return {};
   const Fetched damaged{{}, "the cache's entry " + entry.string() + " is damaged; the field is computed and kept anew"};
+  if (!fs::is_regular_file(about, ignored) || !fs::is_regular_file(kept, ignored)) return damaged;
   try {
     const FileView file(about, FileView::Access::map);
     const JsonView json = JsonView::read(file, file.text(0, file.size()), 8);
     if (need(json, "key").text() != key.text) return {};
     if (need(json, "hash").text() != hash_text(file_hash(kept))) return damaged;
     return {report_of(need(json, "report")), {}};
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::input) throw;
     return damaged;
   }
 }
 
-FieldCache::Fetched FieldCache::fetch(const Key& key, const fs::path& target, Existing existing) const {
+FieldCache::Fetched FieldCache::fetch(const Key& key, const fs::path& target, Existing existing) const try {
   Fetched found = look_up(key);
   if (found.report) link_or_copy(with_extension(entry_of(key), key.extension), target, existing);
   return found;
+} catch (...) {
+  throw_as_error("cache");
 }
 
 std::string FieldCache::store(const Key& key, const fs::path& made, const ComputeReport& report) const {
@@ -228,15 +247,13 @@ std::string FieldCache::store(const Key& key, const fs::path& made, const Comput
     file.write(text.data(), text.size());
     file.commit();
     return {};
-  } catch (const Error& error) {
-    return std::string("the field is not kept in the cache: ") + error.what();
+  } catch (...) {
+    return not_kept();
   }
 }
 
 FieldCache::Computed FieldCache::compute(MeshView mesh, const Grid& grid, double thickness,
-                                         const ComputeOptions& options) const {
-  if (options.nearest)
-    throw Error(ErrorCode::usage, "a cache keeps distances alone; leave it out, or the nearest triangles");
+                                         const ComputeOptions& options) const try {
   const Key asked = key(mesh, grid, thickness, options, {});
   const fs::path kept = with_extension(entry_of(asked), asked.extension);
   Fetched found = look_up(asked);
@@ -260,12 +277,13 @@ FieldCache::Computed FieldCache::compute(MeshView mesh, const Grid& grid, double
     fs::create_directories(kept.parent_path(), ignored);
     write_field(kept, made.field, {.threads = options.execution.threads, .sync = false});
     problem = store(asked, kept, made.report);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::output) throw;
-    problem = std::string("the field is not kept in the cache: ") + error.what();
+  } catch (...) {
+    problem = not_kept();
   }
   if (!problem.empty()) made.problem = std::move(problem);
   return made;
+} catch (...) {
+  throw_as_error("cache");
 }
 
 }  // namespace standoff

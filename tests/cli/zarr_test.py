@@ -99,7 +99,7 @@ def levels():
     assert "need more than" in run("view", "l.zarr", "-o", "l.html", "-f", "--memory-limit", "1K", code=5).stderr
     assert "is no .zarr store" in run("slice", "l.npz", "-o", "n.png", "--level", "1", code=2).stderr
     assert "is no store; write .zarr" in run("compute", "scene:box", "-o", "n.vti", "--levels", "2", code=2).stderr
-    assert "there is no level 3; it has levels 0 to 2" in run("info", "l.zarr", "--level", "3", code=2).stderr
+    assert "there is no level 3; it has levels 0 to 2; give one that it has" in run("info", "l.zarr", "--level", "3", code=2).stderr
     assert "9 levels; of this grid give 1 to 8" in run("convert", "l.npz", "-o", "o.zarr", "--levels", "9", code=2).stderr
 
 

@@ -70,7 +70,7 @@ void check_levels(const StoreMetadata& store, int levels) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ErrorCode::usage, store.path.string() + ": " + what);
   };
-  if (store.distance.folder != store.path / kDistanceName)
+  if (!store.own || store.distance.folder != store.path / kDistanceName)
     refuse("levels are made of level 0 of a store that standoff wrote; open that");
   int most = 1;
   for (Size3 size = store.grid.size; most < kMostLevels && std::max({size.x, size.y, size.z}) > 1; ++most)

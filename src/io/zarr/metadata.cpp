@@ -462,10 +462,12 @@ StoreMetadata read_store(const std::filesystem::path& path, int level) {
     group = read_group(json);
     store.levels = static_cast<int>(group.levels.size());
   }
+  store.own = group.own;
   if (level < 0 || level >= store.levels)
     throw Error(ErrorCode::usage, path.string() + ": there is no level " + std::to_string(level) + "; it has " +
                                       (store.levels == 1 ? std::string("level 0 alone")
-                                                         : "levels 0 to " + std::to_string(store.levels - 1)));
+                                                         : "levels 0 to " + std::to_string(store.levels - 1)) +
+                                      "; give one that it has");
   std::optional<Level> found;
   if (!group.levels.empty()) {
     found = group.levels[static_cast<std::size_t>(level)];

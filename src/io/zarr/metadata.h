@@ -58,6 +58,7 @@ struct StoreMetadata {
   Provenance provenance;
   StoredLayout distance;
   std::optional<StoredLayout> nearest;
+  bool own = true;  ///< standoff wrote it
   int levels = 1;  ///< that the store lists: 0 is the field, each other one every second sample of the one before
 };
 

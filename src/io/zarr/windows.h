@@ -32,6 +32,10 @@ void write_metadata(const StoreMetadata& store, const std::filesystem::path& fol
 /// Throws Error{usage} unless a part of the grid is whole shards.
 void check_shards(const StoreMetadata& store, const Size3& first, const Size3& part);
 
+/// Throws Error{usage} unless the store is laid out as standoff writes stores, and the window is a part of its field
+/// that begins at `first`, in whole shards.
+void check_window(const StoreMetadata& store, const Size3& first, const DistanceField& window);
+
 /// Makes a folder and those it is in. `shown` stands in messages. Errors: output.
 void make_folder(const std::filesystem::path& folder, const std::filesystem::path& shown);
 

@@ -191,24 +191,6 @@ void check_layout(const StoredLayout& layout, double thickness) {
       refuse("the store is not laid out as standoff writes stores; make a new one and write that");
 }
 
-void check_window(const StoreMetadata& store, const Size3& first, const DistanceField& window) {
-  check_layout(store.distance, store.thickness);
-  const Grid &whole = store.grid, &part = window.grid();
-  check_shards(store, first, part.size);
-  if (part.spacing != whole.spacing) refuse("the window's spacing is not that of the store; give a part of its field");
-  const Vec3 off = part.corner() - whole.position(first.x, first.y, first.z);
-  constexpr double kSlack = 1e-3;  // of a spacing: where samples are is rounded, and a wrong place is one off or more
-  if (std::abs(off.x) > kSlack * whole.spacing.x || std::abs(off.y) > kSlack * whole.spacing.y ||
-      std::abs(off.z) > kSlack * whole.spacing.z)
-    refuse("the window's origin is not at sample " + index_text(first.x, first.y, first.z) +
-           " of the store's grid; give the window of that sample");
-  if (static_cast<float>(window.thickness()) != static_cast<float>(store.thickness))
-    refuse("the window's thickness is not that of the store; give a part of its field");
-  if (window.has_nearest() != store.nearest.has_value())
-    refuse(store.nearest ? "the store has nearest triangles, and the window has none; compute it with them"
-                         : "the window has nearest triangles, and the store has none; make the store with them");
-}
-
 }  // namespace
 
 void make_folder(const std::filesystem::path& folder, const std::filesystem::path& shown) {
@@ -230,6 +212,24 @@ void check_shards(const StoreMetadata& store, const Size3& first, const Size3& p
              ", and would write a part of a shard, of " + std::to_string(shard) +
              " samples, that another writer may write too; give whole shards");
   }
+}
+
+void check_window(const StoreMetadata& store, const Size3& first, const DistanceField& window) {
+  check_layout(store.distance, store.thickness);
+  const Grid &whole = store.grid, &part = window.grid();
+  check_shards(store, first, part.size);
+  if (part.spacing != whole.spacing) refuse("the window's spacing is not that of the store; give a part of its field");
+  const Vec3 off = part.corner() - whole.position(first.x, first.y, first.z);
+  constexpr double kSlack = 1e-3;  // of a spacing: where samples are is rounded, and a wrong place is one off or more
+  if (std::abs(off.x) > kSlack * whole.spacing.x || std::abs(off.y) > kSlack * whole.spacing.y ||
+      std::abs(off.z) > kSlack * whole.spacing.z)
+    refuse("the window's origin is not at sample " + index_text(first.x, first.y, first.z) +
+           " of the store's grid; give the window of that sample");
+  if (static_cast<float>(window.thickness()) != static_cast<float>(store.thickness))
+    refuse("the window's thickness is not that of the store; give a part of its field");
+  if (window.has_nearest() != store.nearest.has_value())
+    refuse(store.nearest ? "the store has nearest triangles, and the window has none; compute it with them"
+                         : "the window has nearest triangles, and the store has none; make the store with them");
 }
 
 void check_writable(const Grid& grid, double thickness, const ZarrLayout& layout) {
@@ -259,7 +259,7 @@ StoreMetadata metadata_of(const std::filesystem::path& path, const Grid& grid, d
   array.fill = std::bit_cast<std::uint32_t>(static_cast<float>(thickness));
   // A window of a grid becomes a grid of its own.
   const Grid own{grid.size, grid.corner(), grid.spacing};
-  StoreMetadata store{path, own, thickness, provenance, {array, path / kDistanceName}, {}, 1};
+  StoreMetadata store{path, own, thickness, provenance, {array, path / kDistanceName}, {}, true, 1};
   array.whole_numbers = true;
   array.fill = kNoTriangle;
   if (layout.nearest) store.nearest = StoredLayout{array, path / kNearestName};

@@ -377,9 +377,27 @@ TEST(ZarrStore, LevelsAreEverySecondSample) {
     write_field(folder / "c.zarr", field, {.levels = 3});
     expect_levels(ZarrStore::open(folder / "c.zarr"), field, 3);
   }
-  // Other samples: the levels are no longer its levels.
-  ZarrStore::open(folder / "a.zarr").write({}, field);
-  EXPECT_EQ(ZarrStore::open(folder / "a.zarr").levels(), 1);
+  // Other samples: the levels are no longer its levels, also where the writer does not know of them. What is refused
+  // changes nothing.
+  EXPECT_EQ(parts.levels(), 1);
+  expect_error([&] { parts.write({1, 0, 0}, field); }, ErrorCode::usage, "is not within the grid");
+  EXPECT_EQ(ZarrStore::open(folder / "b.zarr").levels(), 4);
+  parts.write({}, field);
+  EXPECT_EQ(ZarrStore::open(folder / "b.zarr").levels(), 1);
+}
+
+// Whose metadata would be lost.
+TEST(ZarrStore, LevelsOfOthersStay) {
+  const TempFolder folder;
+  const DistanceField field = odd_field({{20, 3, 9}, {}, {1, 1, 1}}, 9);
+  store_for(folder / "a.zarr", field, {}).write({}, field);
+  std::string group = read_bytes(folder / "a.zarr/zarr.json");
+  group.replace(group.find("\"standoff\""), 10, "\"somebody\"");
+  write_bytes(folder / "a.zarr/zarr.json", group);
+  const ZarrStore store = ZarrStore::open(folder / "a.zarr");
+  expect_error([&] { store.write_levels(2); }, ErrorCode::usage, "of a store that standoff wrote");
+  store.write({}, field);
+  EXPECT_EQ(read_bytes(folder / "a.zarr/zarr.json"), group);
 }
 
 TEST(ZarrStore, LevelsThatThereAreNot) {
