@@ -67,7 +67,9 @@ def _write(target: Target, level: int, first: Triple, shape: Triple, threads: in
     target.write_level(level, first, shape, threads or threads_here())
 
 
-def _by_client(target: Target, level: int, parts: list[tuple[Triple, Triple]], threads: int | None, client: Any) -> None:
+def _by_client(
+    target: Target, level: int, parts: list[tuple[Triple, Triple]], threads: int | None, client: Any
+) -> None:
     from distributed import KilledWorker
 
     futures = [client.submit(_write, target, level, *part, threads, pure=False) for part in parts]

@@ -156,6 +156,9 @@ def test_levels_have_the_same_bytes_however_they_are_written(client, tmp_path):
     expect_same(tmp_path / "c.zarr", tmp_path / "a.zarr")
     sd.write(tmp_path / "c.zarr", MESH, **SIZES, **LAYOUT)
     assert so.open(tmp_path / "c.zarr").levels == 3, "a call for fewer takes none away"
+    next((tmp_path / "c.zarr/1/c").rglob("*/*/*")).unlink()
+    sd.write(tmp_path / "c.zarr", MESH, levels=3, **SIZES, **LAYOUT)
+    expect_same(tmp_path / "c.zarr", tmp_path / "a.zarr")
     sd.write("memory://levels/d.zarr", MESH, levels=3, **SIZES, **LAYOUT)
     stored = so.open("memory://levels/d.zarr", level=2)
     np.testing.assert_array_equal(stored[:], whole[::4, ::4, ::4])
