@@ -20,12 +20,14 @@ Vec3 vector_of(const Json& json) {
 
 }  // namespace
 
-void end_array(const fs::path& folder, const FieldArrayLayout& layout, std::int64_t listed) {
+void end_array(const fs::path& folder, const FieldArrayLayout& layout, std::int64_t listed,
+               const std::string& parameters) {
   FieldArray::Table table(listed);
   each_row(manifest_path(folder, {}), [&](const Json& row, const ManifestLine&) {
     const auto index = row.at("index").get<std::int64_t>();
     if (index < 0 || index >= listed) return;  // of an earlier, longer list
-    const int code = row.at("code").get<int>();
+    const bool ours = row.at("parameters").get<std::string>() == parameters;
+    const int code = ours ? row.at("code").get<int>() : FieldArray::kUnknown;
     table.code[static_cast<std::size_t>(index)] = static_cast<std::uint8_t>(code);
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (code != 0) return table.set(index, {kNone, kNone, kNone}, {kNone, kNone, kNone}, kNone);

@@ -381,6 +381,10 @@ BatchSummary BatchCommand::work_through() {
   if (making.array) check_places();
   ManifestWriter rows(manifest, goes_on ? ManifestWriter::Start::go_on : ManifestWriter::Start::anew);
   const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash, making.array.has_value()) : EarlierRows();
+  if (making.array && retry_failed && earlier.has_others())  // of one array all rows are made in the same way
+    throw Error(ErrorCode::usage, manifest.string() +
+                                      ": rows of the array were made with other options, or by another version; give "
+                                      "--resume in place of --retry to make them anew, or the options of before");
   fs::remove(summary, ignored);  // until this run has come to its end
   if (const fs::path kept = folder / ("parameters-" + hash + ".json");
       !fs::exists(kept, ignored) || read_text(kept) != text)
@@ -397,7 +401,7 @@ BatchSummary BatchCommand::work_through() {
                                       ": there is no mesh in it; give a list with a path on each line, or a folder of "
                                       "meshes (" +
                                       extensions(mesh_formats(), false) + ")");
-  if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed);
+  if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed, hash);
 #ifdef __linux__
   // Results were left to the system, file by file; a batch that has come to its end is on the disk.
   if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -164,6 +165,11 @@ std::optional<std::string> EarlierRows::moved_row(const MeshId& mesh) const {
   Json json = Json::parse(manifest.text(row->offset, row->length));
   json["index"] = mesh.index;
   return row_text(json);
+}
+
+bool EarlierRows::has_others() const {
+  return std::ranges::any_of(rows_,
+                             [](const auto& row) { return row.second.code == 0 && !row.second.same_parameters; });
 }
 
 Json counts_json(const StatusCounts& counts) {

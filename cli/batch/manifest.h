@@ -90,6 +90,8 @@ class EarlierRows {
   /// The row of a mesh that is kept, as it must be written again since its place in the list has changed; nothing where
   /// the row that is there will do. Errors: input.
   std::optional<std::string> moved_row(const MeshId& mesh) const;
+  /// Whether a mesh is done that other parameters were given for.
+  bool has_others() const;
 
  private:
   struct Last {
@@ -129,9 +131,11 @@ BatchSummary merge_shards(const std::filesystem::path& folder);
 /// The parts whose manifests lie in a folder, sorted. Errors: input.
 std::vector<Shard> parts_in(const std::filesystem::path& folder);
 
-/// Makes an array of the rows `folder`/fields.zarr of a run that has come to its end. Takes 57 bytes for each mesh.
-/// Errors: input (the manifest), output.
-void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed);
+/// Makes an array of the rows `folder`/fields.zarr of a run with these parameters that has come to its end. Nothing is
+/// known of rows that were made with others: those are taken away. Takes 57 bytes for each mesh. Errors: input (the
+/// manifest), output.
+void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed,
+               const std::string& parameters);
 /// The array's layout, where a batch with these parameters makes one. Errors: input.
 std::optional<FieldArrayLayout> array_layout_of(const std::filesystem::path& folder, const std::string& parameters);
 

@@ -142,7 +142,8 @@ BatchSummary merge_shards(const fs::path& folder) {
     ++summary.counts[place.code];
   }
   merged.commit();
-  if (const auto array = array_layout_of(folder, summary.parameters)) end_array(folder, *array, summary.listed);
+  if (const auto array = array_layout_of(folder, summary.parameters))
+    end_array(folder, *array, summary.listed, summary.parameters);
   write_text(summary_path(folder, {}), json_text(summary_json(summary)));
   return summary;
 }

@@ -140,6 +140,27 @@ def shapes():
     expect("long", SCENES[:1])
 
 
+def after_other_options():
+    """Rows of one array are made in one way."""
+    batch("-o", "mixed", *GRID)
+    before = files("mixed")
+    thinner = ["--size", "20,14,17", "-t", "2s"]
+    refused = batch("-o", "mixed", *thinner, "--retry", "failed", code=2).stderr
+    assert "made with other options" in refused and "--resume" in refused, refused
+    assert files("mixed") == before
+    # A manifest of an earlier version may have such rows: nothing is known of them.
+    for part in ("1/2", "2/2"):
+        batch("-o", "mixed-parts", *GRID, "--shard", part, code=3 if part == "2/2" else 0)
+    manifest = pathlib.Path("mixed-parts/manifest-1-of-2.jsonl")
+    lines = manifest.read_text().splitlines()
+    row = next(line for line in lines if json.loads(line)["index"] == 2)
+    manifest.write_text("\n".join([*lines, row.replace(json.loads(row)["parameters"], "0123456789abcdef")]) + "\n")
+    run("batch", "--merge", "-o", "mixed-parts", code=3)
+    code = table("mixed-parts", "code", np.uint8)
+    assert code.tolist() == [0, 0, 255, 0, 0, 3, 0], code
+    assert np.isnan(rows_of("mixed-parts")[2]).all() and np.isnan(table("mixed-parts", "thickness", np.float64)[2])
+
+
 def somebody_elses():
     mine = pathlib.Path("mine/fields.zarr/zarr.json")
     mine.parent.mkdir(parents=True)
@@ -170,6 +191,7 @@ whole_and_in_parts()
 go_on()
 the_same_mesh_by_another_name()
 shapes()
+after_other_options()
 somebody_elses()
 keep()
 stores()
