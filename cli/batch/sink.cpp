@@ -84,7 +84,7 @@ class FileSink : public ResultSink {
 
   bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
     const fs::path path = folder_ / name_of(mesh);
-    return written_bytes(path) == bytes && hash_of_result(path) == hash;
+    return bytes > 0 && written_bytes(path) == bytes && hash_of_result(path) == hash;
   }
 
   fs::path file_of(const MeshId& mesh) const override {
@@ -137,7 +137,7 @@ class ArraySink : public ResultSink {
 
   bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
     const Placed found = placed(mesh);
-    return found.bytes == bytes && found.hash == hash;
+    return bytes > 0 && found.bytes == bytes && found.hash == hash;
   }
   fs::path file_of(const MeshId& mesh) const override {
     const std::vector<fs::path> files = array_.files_of(mesh.index);
