@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 #include <unordered_map>
+#include <utility>
 
 #include "batch/content_hash.h"
 #include "cli/batch/list.h"
@@ -91,6 +92,7 @@ class BatchRun {
 
  private:
   WorkerPool::Next next(PoolTask& task);
+  bool shares_a_file(const BatchOrder& order) const;
   void ended(std::int64_t number, const TaskEnd& end);
   bool is_wanted(BatchOrder& order) const;
   void keep(const MeshId& mesh);
@@ -102,6 +104,7 @@ class BatchRun {
   std::shared_ptr<ResultSink> sink_;
   BatchSummary summary_;
   std::unordered_map<std::int64_t, BatchOrder> under_way_;
+  std::optional<BatchOrder> waits_;  // for a mesh of the same name that is under way
   std::int64_t failed_ = 0, rows_ = 0;
 };
 
@@ -145,6 +148,15 @@ BatchSummary BatchRun::run(std::shared_ptr<ResultSink> sink) {
 }
 
 WorkerPool::Next BatchRun::next(PoolTask& task) {
+  const auto hand_out = [&](BatchOrder order) {
+    task = {order.mesh.index, order.text(), is_large_file(order.path, command_.making)};
+    under_way_.emplace(order.mesh.index, std::move(order));
+    return WorkerPool::Next::task;
+  };
+  if (waits_) {
+    if (shares_a_file(*waits_)) return WorkerPool::Next::later;
+    return hand_out(*std::exchange(waits_, std::nullopt));
+  }
   std::string name;
   // Meshes that are not wanted cost little, but there may be millions of them: signals and answers come in between.
   for (int looked_at = 0; looked_at < 1000; ++looked_at) {
@@ -163,11 +175,20 @@ WorkerPool::Next BatchRun::next(PoolTask& task) {
       keep(order.mesh);
       continue;
     }
-    task = {order.mesh.index, order.text(), is_large_file(order.path, command_.making)};
-    under_way_.emplace(order.mesh.index, std::move(order));
-    return WorkerPool::Next::task;
+    if (shares_a_file(order)) {
+      waits_ = std::move(order);
+      return WorkerPool::Next::later;
+    }
+    return hand_out(std::move(order));
   }
   return WorkerPool::Next::not_yet;
+}
+
+// Whether a mesh of the same name is under way: two workers would replace one file at once, and each find the other's
+// gone. Rows of an array are places, which no two meshes have.
+bool BatchRun::shares_a_file(const BatchOrder& order) const {
+  return !command_.making.array &&
+         std::ranges::any_of(under_way_, [&](const auto& other) { return other.second.mesh.hash == order.mesh.hash; });
 }
 
 // Notes in the order what an earlier run knows of the mesh.
