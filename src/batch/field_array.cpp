@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "files/atomic_file.h"
+#include "files/atomic_folder.h"
 #include "io/zarr/blosc.h"
 #include "io/zarr/parts.h"
 #include "standoff/error.h"
@@ -235,13 +236,17 @@ void FieldArray::write_table(const char* name, const char* type, const std::vect
 void FieldArray::remove_strangers(const Table& table) const {
   const Size3 chunks = layout_.chunks();
   std::vector<fs::path> strangers;
-  std::error_code error;
-  for (fs::directory_iterator at(folder_ / kDistance, error), end; !error && at != end; at.increment(error)) {
-    const auto chunk = chunk_of(at->path().filename().string());
+  const fs::path folder = folder_ / kDistance;
+  const bool readable = all_entries(folder, [&](const char* name, bool) {
+    const auto chunk = chunk_of(name);
     if (chunk && (chunk->row >= table.rows || table.code[static_cast<std::size_t>(chunk->row)] != 0 ||
                   chunk->part.x >= chunks.x || chunk->part.y >= chunks.y || chunk->part.z >= chunks.z))
-      strangers.push_back(at->path());
-  }
+      strangers.push_back(folder / name);
+    return true;
+  });
+  if (!readable)
+    throw Error(ErrorCode::output,
+                folder.string() + ": cannot read the folder; see to its permissions, and go on with --resume");
   for (const fs::path& path : strangers) remove_file(path);
 }
 
