@@ -136,7 +136,8 @@ std::vector<Shard> parts_in(const std::filesystem::path& folder);
 /// manifest), output.
 void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed,
                const std::string& parameters);
-/// The array's layout, where a batch with these parameters makes one. Errors: input.
+/// The array's layout, where a batch with these parameters makes one; nothing where the folder does not hold them.
+/// Errors: input.
 std::optional<FieldArrayLayout> array_layout_of(const std::filesystem::path& folder, const std::string& parameters);
 
 }  // namespace standoff::cli

@@ -161,6 +161,21 @@ def after_other_options():
     assert np.isnan(rows_of("mixed-parts")[2]).all() and np.isnan(table("mixed-parts", "thickness", np.float64)[2])
 
 
+def strange_parameters():
+    """What stands in the file of the parameters is looked at, and files need it not."""
+    for part in ("1/2", "2/2"):
+        batch("-o", "strange-parts", *GRID, "--shard", part, scenes=SCENES[:2], code=0)
+    path = next(pathlib.Path("strange-parts").glob("parameters-*.json"))
+    parameters = json.loads(path.read_text())
+    for shape in ([0, 1, 1], [1, -1, 1], [1, 1, 2**41], [1, 1, 1.5], [1, 1, "1"], [1, 1], "1"):
+        path.write_text(json.dumps({**parameters, "shape": shape}))
+        refused = run("batch", "--merge", "-o", "strange-parts", code=3).stderr
+        assert "these are no parameters of a batch" in refused, (shape, refused)
+    path.unlink()
+    run("batch", "--merge", "-o", "strange-parts")
+    assert not pathlib.Path("strange-parts/fields.zarr/zarr.json").exists()
+
+
 def somebody_elses():
     mine = pathlib.Path("mine/fields.zarr/zarr.json")
     mine.parent.mkdir(parents=True)
@@ -192,6 +207,7 @@ go_on()
 the_same_mesh_by_another_name()
 shapes()
 after_other_options()
+strange_parameters()
 somebody_elses()
 keep()
 stores()
