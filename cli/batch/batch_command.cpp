@@ -72,7 +72,7 @@ struct BatchCommand {
   void add_result(CLI::App& verb);
   void check();
   void make_folder() const;
-  void check_places() const;
+  void check_places(bool goes_on_here) const;
   BatchSummary work_through();
   void tell(const BatchSummary& summary, const char* what) const;
 };
@@ -372,14 +372,17 @@ void BatchCommand::make_folder() const {
 
 // The rows of an array are places in one list. Runs that share the array without sharing a manifest, whose lock and
 // whose merging tell, would write over each other's rows.
-void BatchCommand::check_places() const {
-  const std::vector<Shard> parts = parts_in(folder);
+// `goes_on_here`: this part's manifest was there before. Beside parts one of the whole is what --merge has made.
+void BatchCommand::check_places(bool goes_on_here) const {
   std::error_code ignored;
   const fs::path whole = manifest_path(folder, {});
   std::optional<fs::path> other;
-  for (const Shard& part : parts)
+  bool first = !goes_on_here;
+  for (const Shard& part : parts_in(folder)) {
     if (part.of != shard.of) other = manifest_path(folder, part);
-  if (parts.empty() && shard.of > 1 && fs::exists(whole, ignored)) other = whole;
+    if (part.of == shard.of && part.part != shard.part) first = false;
+  }
+  if (first && shard.of > 1 && fs::exists(whole, ignored)) other = whole;
   if (other)
     throw Error(ErrorCode::usage, other->string() +
                                       ": the rows of the array are counted by a run of other parts; go on "
@@ -399,8 +402,15 @@ BatchSummary BatchCommand::work_through() {
     throw Error(ErrorCode::usage, manifest.string() + ": there is none, so nothing has failed; leave --retry out");
   const Json asked = making.parameters();
   const std::string text = json_text(asked), hash = hash_text(content_hash(std::string_view(text)));
-  if (making.array) check_places();
+  const bool was_there = fs::exists(manifest, ignored);
+  if (making.array) check_places(was_there);
   ManifestWriter rows(manifest, goes_on ? ManifestWriter::Start::go_on : ManifestWriter::Start::anew);
+  try {
+    if (making.array) check_places(was_there);  // again: of two that began at once each has its manifest there by now
+  } catch (const Error&) {
+    if (!was_there) fs::remove(manifest, ignored);
+    throw;
+  }
   const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash, making.array.has_value()) : EarlierRows();
   if (making.array && retry_failed && earlier.has_others())  // of one array all rows are made in the same way
     throw Error(ErrorCode::usage, manifest.string() +

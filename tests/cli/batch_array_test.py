@@ -92,6 +92,19 @@ def whole_and_in_parts():
     assert "counted by a run of other parts" in refused, refused
 
 
+def at_once():
+    """Of two runs that begin at once and count rows by different parts, one at most goes on."""
+    for n in range(12):
+        out = f"at-once-{n}"
+        both = [["--shard", "1/2"], ["--shard", "1/3"] if n % 2 else []]
+        words = [STANDOFF, "batch", "list.txt", "--format", "array", *GRID, "-o", out, "-q"]
+        running = [subprocess.Popen([*words, *part], stderr=subprocess.PIPE, text=True) for part in both]
+        ends = [(process.communicate(timeout=60)[1], process.returncode) for process in running]
+        refused = [said for said, code in ends if code == 2]
+        assert refused and all("counted by a run of other parts" in said for said in refused), ends
+        assert len(list(pathlib.Path(out).glob("manifest*.jsonl"))) == 2 - len(refused)
+
+
 def go_on():
     said = batch("-o", "whole", *GRID, "--resume").stderr
     assert "1 mesh: 1 input; 6 were done before" in said, said
@@ -203,6 +216,7 @@ def stores():
 
 
 whole_and_in_parts()
+at_once()
 go_on()
 the_same_mesh_by_another_name()
 shapes()
