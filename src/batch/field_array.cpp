@@ -31,7 +31,8 @@ constexpr std::int64_t kTableRows = 65'536;  // of a chunk of a table
 constexpr int kLevel = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 18;
 constexpr const char* kDistance = "distance";
-constexpr const char* kOurs = R"("rows": "batch")";  // by which the group's metadata are known
+constexpr const char* kOurs = R"("rows": "batch")";              // by which the group's metadata are known
+constexpr const char* kOurNames = R"(["mesh", "x", "y", "z"])";  // of dimensions, by which those of the array are
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string list_text(std::span<const std::int64_t> numbers) {
@@ -197,14 +198,21 @@ void FieldArray::Table::set(std::int64_t row, const Vec3& first, const Vec3& ste
 
 void FieldArray::begin() const {
   std::error_code ignored;
-  if (const fs::path group = folder_ / "zarr.json";
-      fs::exists(group, ignored) && read_text(group).find(kOurs) == std::string::npos)
+  const fs::path group = folder_ / "zarr.json", array = folder_ / kDistance / "zarr.json";
+  const auto has = [](const fs::path& metadata, const char* ours) {
+    return read_text(metadata).find(ours) != std::string::npos;
+  };
+  // Where a run was killed the array may be there without the group.
+  const bool is_ours = fs::exists(group, ignored)   ? has(group, kOurs)
+                       : fs::exists(array, ignored) ? has(array, kOurNames)
+                                                    : true;
+  if (!is_ours)
     throw Error(ErrorCode::output, folder_.string() +
                                        ": a store is there that is no array of a batch, and it stays as "
                                        "it is; give another folder");
   make(folder_ / kDistance);
-  remove_file(folder_ / "zarr.json");
-  remove_file(folder_ / kDistance / "zarr.json");
+  remove_file(group);
+  remove_file(array);
 }
 
 void FieldArray::write_zarr_json(const char* name, const std::string& text) const {
@@ -258,8 +266,8 @@ void FieldArray::end(const Table& table) const {
   write_table("code", "uint8", table.code, 1);
   const Size3 &shape = layout_.shape, chunk = layout_.chunk();
   write_zarr_json(kDistance, array_text("float32", std::array{table.rows, shape.x, shape.y, shape.z},
-                                        std::array{std::int64_t{1}, chunk.x, chunk.y, chunk.z}, R"("NaN")",
-                                        R"(["mesh", "x", "y", "z"])", layout_.compress));
+                                        std::array{std::int64_t{1}, chunk.x, chunk.y, chunk.z}, R"("NaN")", kOurNames,
+                                        layout_.compress));
   // The last file: a group whose arrays are all there.
   write_zarr_json(".", R"({"zarr_format": 3, "node_type": "group", "attributes": {"standoff": {"format": 1, )" +
                            std::string(kOurs) + "}}}\n");

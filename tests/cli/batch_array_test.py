@@ -195,6 +195,17 @@ def somebody_elses():
     mine.write_text('{"zarr_format": 3, "node_type": "group"}')
     assert "it stays as it is" in batch("-o", "mine", *GRID, "-f", code=4).stderr
     assert mine.read_text() == '{"zarr_format": 3, "node_type": "group"}' and not list(mine.parent.glob("distance"))
+    mine.unlink()
+    mine = mine.parent / "distance" / "zarr.json"
+    mine.parent.mkdir()
+    mine.write_text('{"zarr_format": 3, "node_type": "array"}')
+    assert "it stays as it is" in batch("-o", "mine", *GRID, "-f", code=4).stderr
+    assert mine.read_text() == '{"zarr_format": 3, "node_type": "array"}'
+    # An array whose run was killed before its group was there is ours.
+    batch("-o", "ours", *GRID)
+    pathlib.Path("ours/fields.zarr/zarr.json").unlink()
+    batch("-o", "ours", *GRID, "--resume")
+    expect("ours")
 
 
 def keep():
