@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff batch: fields, or points with distances, of many meshes.
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -433,10 +430,7 @@ BatchSummary BatchCommand::work_through() {
                                       "meshes (" +
                                       extensions(mesh_formats(), false) + ")");
   if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed, hash);
-#ifdef __linux__
-  // Results were left to the system, file by file; a batch that has come to its end is on the disk.
-  if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());
-#endif
+  wait_for_disk(folder);
   write_text(summary, json_text(summary_json(found)));
   return found;
 }

@@ -58,6 +58,12 @@ fs::path summary_path(const fs::path& folder, const Shard& shard) {
   return folder / ("summary" + shard.suffix() + ".json");
 }
 
+void wait_for_disk([[maybe_unused]] const fs::path& folder) {
+#ifdef __linux__
+  if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());
+#endif
+}
+
 std::string row_text(const Json& row) { return row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 std::optional<std::uint64_t> parse_hash(const std::string& text) {

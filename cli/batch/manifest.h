@@ -26,6 +26,9 @@ const char* status_name(int code);
 std::filesystem::path manifest_path(const std::filesystem::path& folder, const Shard& shard);
 std::filesystem::path summary_path(const std::filesystem::path& folder, const Shard& shard);
 
+/// Results are left to the system, file by file; a batch that has come to its end is on the disk (on Linux).
+void wait_for_disk(const std::filesystem::path& folder);
+
 /// A line of JSON, ended. Bytes of names that are no UTF-8 are replaced.
 std::string row_text(const Json& row);
 /// Sixteen hexadecimal digits; nothing for other text.

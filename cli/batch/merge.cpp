@@ -154,6 +154,7 @@ BatchSummary merge_shards(const fs::path& folder) {
   merged.commit();
   if (const auto array = array_layout_of(folder, summary.parameters))
     end_array(folder, *array, summary.listed, summary.parameters);
+  wait_for_disk(folder);
   write_text(summary_path(folder, {}), json_text(summary_json(summary)));
   return summary;
 }
