@@ -31,7 +31,6 @@ class FieldArray {
   /// to be compressed and this build cannot.
   FieldArray(const std::filesystem::path& folder, const FieldArrayLayout& layout);
 
-  const std::filesystem::path& folder() const { return folder_; }
   /// The files that a row has, or would have.
   std::vector<std::filesystem::path> files_of(std::int64_t row) const;
   /// Writes a row, after begin(). Each file appears whole or not at all; those of an earlier field are
