@@ -18,14 +18,23 @@ Vec3 vector_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
 }
 
+// 0 where it is no number of samples on an axis.
+std::int64_t side_of(const Json& json) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 40;
+  const std::int64_t side = json.is_number_integer() ? json.get<std::int64_t>() : 0;
+  return side > kMost ? 0 : side;
+}
+
 }  // namespace
 
-void end_array(const fs::path& folder, const FieldArrayLayout& layout, std::int64_t listed) {
+void end_array(const fs::path& folder, const FieldArrayLayout& layout, std::int64_t listed,
+               const std::string& parameters) {
   FieldArray::Table table(listed);
   each_row(manifest_path(folder, {}), [&](const Json& row, const ManifestLine&) {
     const auto index = row.at("index").get<std::int64_t>();
     if (index < 0 || index >= listed) return;  // of an earlier, longer list
-    const int code = row.at("code").get<int>();
+    const bool ours = row.at("parameters").get<std::string>() == parameters;
+    const int code = ours ? row.at("code").get<int>() : FieldArray::kUnknown;
     table.code[static_cast<std::size_t>(index)] = static_cast<std::uint8_t>(code);
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (code != 0) return table.set(index, {kNone, kNone, kNone}, {kNone, kNone, kNone}, kNone);
@@ -38,16 +47,18 @@ void end_array(const fs::path& folder, const FieldArrayLayout& layout, std::int6
 
 std::optional<FieldArrayLayout> array_layout_of(const fs::path& folder, const std::string& parameters) {
   const fs::path path = folder / ("parameters-" + parameters + ".json");
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return std::nullopt;
   try {
     const Json json = Json::parse(read_text(path));
     if (!json.contains("shape")) return std::nullopt;
     const Json& shape = json.at("shape");
-    return FieldArrayLayout{
-        {shape.at(0).get<std::int64_t>(), shape.at(1).get<std::int64_t>(), shape.at(2).get<std::int64_t>()},
-        json.at("compress").get<bool>()};
+    const FieldArrayLayout layout{{side_of(shape.at(0)), side_of(shape.at(1)), side_of(shape.at(2))},
+                                  json.at("compress").get<bool>()};
+    if (layout.shape.x > 0 && layout.shape.y > 0 && layout.shape.z > 0) return layout;
   } catch (const Json::exception&) {
-    throw Error(ErrorCode::input, path.string() + ": these are no parameters of a batch; run it again with --resume");
   }
+  throw Error(ErrorCode::input, path.string() + ": these are no parameters of a batch; run it again with --resume");
 }
 
 }  // namespace standoff::cli

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff batch: fields, or points with distances, of many meshes.
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -12,6 +9,7 @@
 #include <string>
 #include <thread>
 #include <unordered_map>
+#include <utility>
 
 #include "batch/content_hash.h"
 #include "cli/batch/list.h"
@@ -71,7 +69,7 @@ struct BatchCommand {
   void add_result(CLI::App& verb);
   void check();
   void make_folder() const;
-  void check_places() const;
+  void check_places(bool goes_on_here) const;
   BatchSummary work_through();
   void tell(const BatchSummary& summary, const char* what) const;
 };
@@ -91,6 +89,7 @@ class BatchRun {
 
  private:
   WorkerPool::Next next(PoolTask& task);
+  bool shares_a_file(const BatchOrder& order) const;
   void ended(std::int64_t number, const TaskEnd& end);
   bool is_wanted(BatchOrder& order) const;
   void keep(const MeshId& mesh);
@@ -102,6 +101,7 @@ class BatchRun {
   std::shared_ptr<ResultSink> sink_;
   BatchSummary summary_;
   std::unordered_map<std::int64_t, BatchOrder> under_way_;
+  std::optional<BatchOrder> waits_;  // for a mesh of the same name that is under way
   std::int64_t failed_ = 0, rows_ = 0;
 };
 
@@ -145,6 +145,15 @@ BatchSummary BatchRun::run(std::shared_ptr<ResultSink> sink) {
 }
 
 WorkerPool::Next BatchRun::next(PoolTask& task) {
+  const auto hand_out = [&](BatchOrder order) {
+    task = {order.mesh.index, order.text(), is_large_file(order.path, command_.making)};
+    under_way_.emplace(order.mesh.index, std::move(order));
+    return WorkerPool::Next::task;
+  };
+  if (waits_) {
+    if (shares_a_file(*waits_)) return WorkerPool::Next::later;
+    return hand_out(*std::exchange(waits_, std::nullopt));
+  }
   std::string name;
   // Meshes that are not wanted cost little, but there may be millions of them: signals and answers come in between.
   for (int looked_at = 0; looked_at < 1000; ++looked_at) {
@@ -163,11 +172,20 @@ WorkerPool::Next BatchRun::next(PoolTask& task) {
       keep(order.mesh);
       continue;
     }
-    task = {order.mesh.index, order.text(), is_large_file(order.path, command_.making)};
-    under_way_.emplace(order.mesh.index, std::move(order));
-    return WorkerPool::Next::task;
+    if (shares_a_file(order)) {
+      waits_ = std::move(order);
+      return WorkerPool::Next::later;
+    }
+    return hand_out(std::move(order));
   }
   return WorkerPool::Next::not_yet;
+}
+
+// Whether a mesh of the same name is under way: two workers would replace one file at once, and each find the other's
+// gone. Rows of an array are places, which no two meshes have.
+bool BatchRun::shares_a_file(const BatchOrder& order) const {
+  return !command_.making.array &&
+         std::ranges::any_of(under_way_, [&](const auto& other) { return other.second.mesh.hash == order.mesh.hash; });
 }
 
 // Notes in the order what an earlier run knows of the mesh.
@@ -351,14 +369,17 @@ void BatchCommand::make_folder() const {
 
 // The rows of an array are places in one list. Runs that share the array without sharing a manifest, whose lock and
 // whose merging tell, would write over each other's rows.
-void BatchCommand::check_places() const {
-  const std::vector<Shard> parts = parts_in(folder);
+// `goes_on_here`: this part's manifest was there before. Beside parts one of the whole is what --merge has made.
+void BatchCommand::check_places(bool goes_on_here) const {
   std::error_code ignored;
   const fs::path whole = manifest_path(folder, {});
   std::optional<fs::path> other;
-  for (const Shard& part : parts)
+  bool first = !goes_on_here;
+  for (const Shard& part : parts_in(folder)) {
     if (part.of != shard.of) other = manifest_path(folder, part);
-  if (parts.empty() && shard.of > 1 && fs::exists(whole, ignored)) other = whole;
+    if (part.of == shard.of && part.part != shard.part) first = false;
+  }
+  if (first && shard.of > 1 && fs::exists(whole, ignored)) other = whole;
   if (other)
     throw Error(ErrorCode::usage, other->string() +
                                       ": the rows of the array are counted by a run of other parts; go on "
@@ -378,9 +399,20 @@ BatchSummary BatchCommand::work_through() {
     throw Error(ErrorCode::usage, manifest.string() + ": there is none, so nothing has failed; leave --retry out");
   const Json asked = making.parameters();
   const std::string text = json_text(asked), hash = hash_text(content_hash(std::string_view(text)));
-  if (making.array) check_places();
+  const bool was_there = fs::exists(manifest, ignored);
+  if (making.array) check_places(was_there);
   ManifestWriter rows(manifest, goes_on ? ManifestWriter::Start::go_on : ManifestWriter::Start::anew);
+  try {
+    if (making.array) check_places(was_there);  // again: of two that began at once each has its manifest there by now
+  } catch (const Error&) {
+    if (!was_there) fs::remove(manifest, ignored);
+    throw;
+  }
   const EarlierRows earlier = goes_on ? EarlierRows(manifest, hash, making.array.has_value()) : EarlierRows();
+  if (making.array && retry_failed && earlier.has_others())  // of one array all rows are made in the same way
+    throw Error(ErrorCode::usage, manifest.string() +
+                                      ": rows of the array were made with other options, or by another version; give "
+                                      "--resume in place of --retry to make them anew, or the options of before");
   fs::remove(summary, ignored);  // until this run has come to its end
   if (const fs::path kept = folder / ("parameters-" + hash + ".json");
       !fs::exists(kept, ignored) || read_text(kept) != text)
@@ -397,11 +429,8 @@ BatchSummary BatchCommand::work_through() {
                                       ": there is no mesh in it; give a list with a path on each line, or a folder of "
                                       "meshes (" +
                                       extensions(mesh_formats(), false) + ")");
-  if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed);
-#ifdef __linux__
-  // Results were left to the system, file by file; a batch that has come to its end is on the disk.
-  if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());
-#endif
+  if (making.array && shard.of == 1) end_array(folder, *making.array, found.listed, hash);
+  wait_for_disk(folder);
   write_text(summary, json_text(summary_json(found)));
   return found;
 }

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -55,6 +56,12 @@ fs::path manifest_path(const fs::path& folder, const Shard& shard) {
 }
 fs::path summary_path(const fs::path& folder, const Shard& shard) {
   return folder / ("summary" + shard.suffix() + ".json");
+}
+
+void wait_for_disk([[maybe_unused]] const fs::path& folder) {
+#ifdef __linux__
+  if (const Descriptor opened = open_to_read(folder); opened.number() >= 0) ::syncfs(opened.number());
+#endif
 }
 
 std::string row_text(const Json& row) { return row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -164,6 +171,11 @@ std::optional<std::string> EarlierRows::moved_row(const MeshId& mesh) const {
   Json json = Json::parse(manifest.text(row->offset, row->length));
   json["index"] = mesh.index;
   return row_text(json);
+}
+
+bool EarlierRows::has_others() const {
+  return std::ranges::any_of(rows_,
+                             [](const auto& row) { return row.second.code == 0 && !row.second.same_parameters; });
 }
 
 Json counts_json(const StatusCounts& counts) {

@@ -26,6 +26,9 @@ const char* status_name(int code);
 std::filesystem::path manifest_path(const std::filesystem::path& folder, const Shard& shard);
 std::filesystem::path summary_path(const std::filesystem::path& folder, const Shard& shard);
 
+/// Results are left to the system, file by file; a batch that has come to its end is on the disk (on Linux).
+void wait_for_disk(const std::filesystem::path& folder);
+
 /// A line of JSON, ended. Bytes of names that are no UTF-8 are replaced.
 std::string row_text(const Json& row);
 /// Sixteen hexadecimal digits; nothing for other text.
@@ -90,6 +93,8 @@ class EarlierRows {
   /// The row of a mesh that is kept, as it must be written again since its place in the list has changed; nothing where
   /// the row that is there will do. Errors: input.
   std::optional<std::string> moved_row(const MeshId& mesh) const;
+  /// Whether a mesh is done that other parameters were given for.
+  bool has_others() const;
 
  private:
   struct Last {
@@ -129,10 +134,13 @@ BatchSummary merge_shards(const std::filesystem::path& folder);
 /// The parts whose manifests lie in a folder, sorted. Errors: input.
 std::vector<Shard> parts_in(const std::filesystem::path& folder);
 
-/// Makes an array of the rows `folder`/fields.zarr of a run that has come to its end. Takes 57 bytes for each mesh.
-/// Errors: input (the manifest), output.
-void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed);
-/// The array's layout, where a batch with these parameters makes one. Errors: input.
+/// Makes an array of the rows `folder`/fields.zarr of a run with these parameters that has come to its end. Nothing is
+/// known of rows that were made with others: those are taken away. Takes 57 bytes for each mesh. Errors: input (the
+/// manifest), output.
+void end_array(const std::filesystem::path& folder, const FieldArrayLayout& layout, std::int64_t listed,
+               const std::string& parameters);
+/// The array's layout, where a batch with these parameters makes one; nothing where the folder does not hold them.
+/// Errors: input.
 std::optional<FieldArrayLayout> array_layout_of(const std::filesystem::path& folder, const std::string& parameters);
 
 }  // namespace standoff::cli

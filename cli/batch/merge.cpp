@@ -9,12 +9,15 @@
 #include "cli/batch/manifest.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"
+#include "files/atomic_folder.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kTries = 10;
 
 // "manifest-3-of-64.jsonl".
 std::optional<Shard> shard_of_name(const std::string& name) {
@@ -105,10 +108,17 @@ std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& s
 
 std::vector<Shard> parts_in(const fs::path& folder) {
   std::vector<Shard> found;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (const auto shard = shard_of_name(at->path().filename().string())) found.push_back(*shard);
-  if (error) throw Error(ErrorCode::input, folder.string() + ": cannot read the folder: " + error.message());
+  const auto look = [&] {
+    found.clear();
+    return all_entries(folder, [&](const char* name, bool) {
+      if (const auto shard = shard_of_name(name)) found.push_back(*shard);
+      return true;
+    });
+  };
+  // An unfinished file of another part that has got its name between being listed and looked at is no reason to fail.
+  for (int tries = 1; !look(); ++tries)
+    if (tries == kTries)
+      throw Error(ErrorCode::input, folder.string() + ": cannot read the folder; see to its name and permissions");
   std::ranges::sort(found, {}, &Shard::part);
   return found;
 }
@@ -142,7 +152,9 @@ BatchSummary merge_shards(const fs::path& folder) {
     ++summary.counts[place.code];
   }
   merged.commit();
-  if (const auto array = array_layout_of(folder, summary.parameters)) end_array(folder, *array, summary.listed);
+  if (const auto array = array_layout_of(folder, summary.parameters))
+    end_array(folder, *array, summary.listed, summary.parameters);
+  wait_for_disk(folder);
   write_text(summary_path(folder, {}), json_text(summary_json(summary)));
   return summary;
 }

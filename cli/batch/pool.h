@@ -51,7 +51,12 @@ class WorkerPool {
   /// run().
   void keep_from_workers(int descriptor) { own_ = descriptor; }
 
-  enum class Next { task, not_yet, end };
+  enum class Next {
+    task,
+    not_yet,
+    later,  ///< one that must wait for a task that was given before: next() is asked again when one has ended
+    end,
+  };
   struct Caller {
     std::function<Next(PoolTask&)> next;                      ///< sets the next task
     std::function<void(std::int64_t number, TaskEnd)> ended;  ///< called once for each task

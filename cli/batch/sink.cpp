@@ -12,6 +12,7 @@
 #include "cli/files.h"
 #include "cli/json.h"
 #include "cli/text.h"
+#include "files/atomic_folder.h"
 #include "standoff/error.h"
 #include "standoff/io.h"
 
@@ -62,13 +63,25 @@ std::string output_name(const MeshId& mesh, const std::string& extension) {
 
 std::uint64_t folded(std::uint64_t hash, std::uint64_t more) { return content_hash(hash_text(hash) + hash_text(more)); }
 
-// Of a file's bytes, or of all files of a folder and their names: Zarr stores are folders.
+// Adds the files of a folder and of those below. Errors: output.
+void add_files(const fs::path& folder, std::vector<fs::path>& files) {
+  const bool readable = all_entries(folder, [&](const char* name, bool is_folder) {
+    std::error_code ignored;
+    if (is_folder)
+      add_files(folder / name, files);
+    else if (fs::is_regular_file(folder / name, ignored))
+      files.push_back(folder / name);
+    return true;
+  });
+  if (!readable) throw Error(ErrorCode::output, folder.string() + ": cannot read the folder; see to its permissions");
+}
+
+// Of a file's bytes, or of all files of a folder and their names: Zarr stores are folders. Errors: output.
 std::uint64_t hash_of_result(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return file_hash(path);
   std::vector<fs::path> files;
-  for (fs::recursive_directory_iterator at(path, error), end; !error && at != end; at.increment(error))
-    if (at->is_regular_file(error)) files.push_back(at->path());
+  add_files(path, files);
   std::ranges::sort(files);
   std::uint64_t hash = 0;
   for (const fs::path& file : files)
@@ -84,7 +97,7 @@ class FileSink : public ResultSink {
 
   bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
     const fs::path path = folder_ / name_of(mesh);
-    return written_bytes(path) == bytes && hash_of_result(path) == hash;
+    return bytes > 0 && written_bytes(path) == bytes && hash_of_result(path) == hash;
   }
 
   fs::path file_of(const MeshId& mesh) const override {
@@ -137,7 +150,7 @@ class ArraySink : public ResultSink {
 
   bool holds(const MeshId& mesh, std::int64_t bytes, std::uint64_t hash) const override {
     const Placed found = placed(mesh);
-    return found.bytes == bytes && found.hash == hash;
+    return bytes > 0 && found.bytes == bytes && found.hash == hash;
   }
   fs::path file_of(const MeshId& mesh) const override {
     const std::vector<fs::path> files = array_.files_of(mesh.index);

@@ -75,6 +75,10 @@ std::string how_it_died(int status) {
 }
 
 void note_result(const Placed& placed, Json& row) {
+  if (placed.bytes == 0)
+    throw Error(ErrorCode::output, placed.file +
+                                       ": it was written, and is not there now; see to it that nobody else "
+                                       "works in the folder, and go on with --resume");
   row["output"] = {{"file", placed.file}, {"bytes", placed.bytes}, {"hash", hash_text(placed.hash)}};
   if (placed.row >= 0) row["output"]["row"] = placed.row;
 }

@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "files/atomic_file.h"
+#include "files/atomic_folder.h"
 #include "io/zarr/blosc.h"
 #include "io/zarr/parts.h"
 #include "standoff/error.h"
@@ -29,9 +30,9 @@ constexpr std::int64_t kTableRows = 65'536;  // of a chunk of a table
 // Of blosc: level 3, which stores have, takes 4.5 ms of a row of 64^3 in place of 1.5, for 4 % fewer bytes.
 constexpr int kLevel = 1;
 constexpr std::size_t kBlock = std::size_t{1} << 18;
-constexpr std::uint8_t kUnknown = 255;  // exit codes are smaller
 constexpr const char* kDistance = "distance";
-constexpr const char* kOurs = R"("rows": "batch")";  // by which the group's metadata are known
+constexpr const char* kOurs = R"("rows": "batch")";              // by which the group's metadata are known
+constexpr const char* kOurNames = R"(["mesh", "x", "y", "z"])";  // of dimensions, by which those of the array are
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::string list_text(std::span<const std::int64_t> numbers) {
@@ -197,14 +198,21 @@ void FieldArray::Table::set(std::int64_t row, const Vec3& first, const Vec3& ste
 
 void FieldArray::begin() const {
   std::error_code ignored;
-  if (const fs::path group = folder_ / "zarr.json";
-      fs::exists(group, ignored) && read_text(group).find(kOurs) == std::string::npos)
+  const fs::path group = folder_ / "zarr.json", array = folder_ / kDistance / "zarr.json";
+  const auto has = [](const fs::path& metadata, const char* ours) {
+    return read_text(metadata).find(ours) != std::string::npos;
+  };
+  // Where a run was killed the array may be there without the group.
+  const bool is_ours = fs::exists(group, ignored)   ? has(group, kOurs)
+                       : fs::exists(array, ignored) ? has(array, kOurNames)
+                                                    : true;
+  if (!is_ours)
     throw Error(ErrorCode::output, folder_.string() +
                                        ": a store is there that is no array of a batch, and it stays as "
                                        "it is; give another folder");
   make(folder_ / kDistance);
-  remove_file(folder_ / "zarr.json");
-  remove_file(folder_ / kDistance / "zarr.json");
+  remove_file(group);
+  remove_file(array);
 }
 
 void FieldArray::write_zarr_json(const char* name, const std::string& text) const {
@@ -232,30 +240,34 @@ void FieldArray::write_table(const char* name, const char* type, const std::vect
   }
 }
 
-// Files of rows behind the last one, and of rows that had other chunks.
-void FieldArray::remove_strangers(std::int64_t rows) const {
+// Files of rows behind the last one, of rows without a field, and of rows that had other chunks.
+void FieldArray::remove_strangers(const Table& table) const {
   const Size3 chunks = layout_.chunks();
   std::vector<fs::path> strangers;
-  std::error_code error;
-  for (fs::directory_iterator at(folder_ / kDistance, error), end; !error && at != end; at.increment(error)) {
-    const auto chunk = chunk_of(at->path().filename().string());
-    if (chunk &&
-        (chunk->row >= rows || chunk->part.x >= chunks.x || chunk->part.y >= chunks.y || chunk->part.z >= chunks.z))
-      strangers.push_back(at->path());
-  }
+  const fs::path folder = folder_ / kDistance;
+  const bool readable = all_entries(folder, [&](const char* name, bool) {
+    const auto chunk = chunk_of(name);
+    if (chunk && (chunk->row >= table.rows || table.code[static_cast<std::size_t>(chunk->row)] != 0 ||
+                  chunk->part.x >= chunks.x || chunk->part.y >= chunks.y || chunk->part.z >= chunks.z))
+      strangers.push_back(folder / name);
+    return true;
+  });
+  if (!readable)
+    throw Error(ErrorCode::output,
+                folder.string() + ": cannot read the folder; see to its permissions, and go on with --resume");
   for (const fs::path& path : strangers) remove_file(path);
 }
 
 void FieldArray::end(const Table& table) const {
-  remove_strangers(table.rows);
+  remove_strangers(table);
   write_table("origin", "float64", table.origin, 3);
   write_table("spacing", "float64", table.spacing, 3);
   write_table("thickness", "float64", table.thickness, 1);
   write_table("code", "uint8", table.code, 1);
   const Size3 &shape = layout_.shape, chunk = layout_.chunk();
   write_zarr_json(kDistance, array_text("float32", std::array{table.rows, shape.x, shape.y, shape.z},
-                                        std::array{std::int64_t{1}, chunk.x, chunk.y, chunk.z}, R"("NaN")",
-                                        R"(["mesh", "x", "y", "z"])", layout_.compress));
+                                        std::array{std::int64_t{1}, chunk.x, chunk.y, chunk.z}, R"("NaN")", kOurNames,
+                                        layout_.compress));
   // The last file: a group whose arrays are all there.
   write_zarr_json(".", R"({"zarr_format": 3, "node_type": "group", "attributes": {"standoff": {"format": 1, )" +
                            std::string(kOurs) + "}}}\n");

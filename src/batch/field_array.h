@@ -31,7 +31,6 @@ class FieldArray {
   /// to be compressed and this build cannot.
   FieldArray(const std::filesystem::path& folder, const FieldArrayLayout& layout);
 
-  const std::filesystem::path& folder() const { return folder_; }
   /// The files that a row has, or would have.
   std::vector<std::filesystem::path> files_of(std::int64_t row) const;
   /// Writes a row, after begin(). Each file appears whole or not at all; those of an earlier field are
@@ -40,6 +39,8 @@ class FieldArray {
   /// Takes a row away: it reads as NaN. Errors: output.
   void remove(std::int64_t row) const;
 
+  static constexpr std::uint8_t kUnknown = 255;  ///< a row's code where nothing is known; exit codes are smaller
+
   /// What the rows' fields are on, and how each ended.
   struct Table {
     explicit Table(std::int64_t rows);
@@ -47,12 +48,13 @@ class FieldArray {
 
     std::int64_t rows;
     std::vector<double> origin, spacing, thickness;  // NaN where there is no field
-    std::vector<std::uint8_t> code;                  // 255 where nothing is known
+    std::vector<std::uint8_t> code;                  // or kUnknown
   };
   /// Makes the folder, and removes what makes it an array: nobody opens it before
   /// end(). A store of somebody else stays. Errors: output.
   void begin() const;
-  /// Makes it an array of so many rows; files of rows behind them are removed. Errors: output.
+  /// Makes it an array of so many rows. Files of rows behind them are removed, and of those whose code is not 0.
+  /// Errors: output.
   void end(const Table& table) const;
 
  private:
@@ -60,7 +62,7 @@ class FieldArray {
   void write_zarr_json(const char* name, const std::string& text) const;
   template <class Number>
   void write_table(const char* name, const char* type, const std::vector<Number>& values, std::int64_t columns) const;
-  void remove_strangers(std::int64_t rows) const;
+  void remove_strangers(const Table& table) const;
 
   std::filesystem::path folder_;
   FieldArrayLayout layout_;

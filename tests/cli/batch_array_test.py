@@ -92,6 +92,19 @@ def whole_and_in_parts():
     assert "counted by a run of other parts" in refused, refused
 
 
+def at_once():
+    """Of two runs that begin at once and count rows by different parts, one at most goes on."""
+    for n in range(12):
+        out = f"at-once-{n}"
+        both = [["--shard", "1/2"], ["--shard", "1/3"] if n % 2 else []]
+        words = [STANDOFF, "batch", "list.txt", "--format", "array", *GRID, "-o", out, "-q"]
+        running = [subprocess.Popen([*words, *part], stderr=subprocess.PIPE, text=True) for part in both]
+        ends = [(process.communicate(timeout=60)[1], process.returncode) for process in running]
+        refused = [said for said, code in ends if code == 2]
+        assert refused and all("counted by a run of other parts" in said for said in refused), ends
+        assert len(list(pathlib.Path(out).glob("manifest*.jsonl"))) == 2 - len(refused)
+
+
 def go_on():
     said = batch("-o", "whole", *GRID, "--resume").stderr
     assert "1 mesh: 1 input; 6 were done before" in said, said
@@ -140,12 +153,59 @@ def shapes():
     expect("long", SCENES[:1])
 
 
+def after_other_options():
+    """Rows of one array are made in one way."""
+    batch("-o", "mixed", *GRID)
+    before = files("mixed")
+    thinner = ["--size", "20,14,17", "-t", "2s"]
+    refused = batch("-o", "mixed", *thinner, "--retry", "failed", code=2).stderr
+    assert "made with other options" in refused and "--resume" in refused, refused
+    assert files("mixed") == before
+    # A manifest of an earlier version may have such rows: nothing is known of them.
+    for part in ("1/2", "2/2"):
+        batch("-o", "mixed-parts", *GRID, "--shard", part, code=3 if part == "2/2" else 0)
+    manifest = pathlib.Path("mixed-parts/manifest-1-of-2.jsonl")
+    lines = manifest.read_text().splitlines()
+    row = next(line for line in lines if json.loads(line)["index"] == 2)
+    manifest.write_text("\n".join([*lines, row.replace(json.loads(row)["parameters"], "0123456789abcdef")]) + "\n")
+    run("batch", "--merge", "-o", "mixed-parts", code=3)
+    code = table("mixed-parts", "code", np.uint8)
+    assert code.tolist() == [0, 0, 255, 0, 0, 3, 0], code
+    assert np.isnan(rows_of("mixed-parts")[2]).all() and np.isnan(table("mixed-parts", "thickness", np.float64)[2])
+
+
+def strange_parameters():
+    """What stands in the file of the parameters is looked at, and files need it not."""
+    for part in ("1/2", "2/2"):
+        batch("-o", "strange-parts", *GRID, "--shard", part, scenes=SCENES[:2], code=0)
+    path = next(pathlib.Path("strange-parts").glob("parameters-*.json"))
+    parameters = json.loads(path.read_text())
+    for shape in ([0, 1, 1], [1, -1, 1], [1, 1, 2**41], [1, 1, 1.5], [1, 1, "1"], [1, 1], "1"):
+        path.write_text(json.dumps({**parameters, "shape": shape}))
+        refused = run("batch", "--merge", "-o", "strange-parts", code=3).stderr
+        assert "these are no parameters of a batch" in refused, (shape, refused)
+    path.unlink()
+    run("batch", "--merge", "-o", "strange-parts")
+    assert not pathlib.Path("strange-parts/fields.zarr/zarr.json").exists()
+
+
 def somebody_elses():
     mine = pathlib.Path("mine/fields.zarr/zarr.json")
     mine.parent.mkdir(parents=True)
     mine.write_text('{"zarr_format": 3, "node_type": "group"}')
     assert "it stays as it is" in batch("-o", "mine", *GRID, "-f", code=4).stderr
     assert mine.read_text() == '{"zarr_format": 3, "node_type": "group"}' and not list(mine.parent.glob("distance"))
+    mine.unlink()
+    mine = mine.parent / "distance" / "zarr.json"
+    mine.parent.mkdir()
+    mine.write_text('{"zarr_format": 3, "node_type": "array"}')
+    assert "it stays as it is" in batch("-o", "mine", *GRID, "-f", code=4).stderr
+    assert mine.read_text() == '{"zarr_format": 3, "node_type": "array"}'
+    # An array whose run was killed before its group was there is ours.
+    batch("-o", "ours", *GRID)
+    pathlib.Path("ours/fields.zarr/zarr.json").unlink()
+    batch("-o", "ours", *GRID, "--resume")
+    expect("ours")
 
 
 def keep():
@@ -167,9 +227,12 @@ def stores():
 
 
 whole_and_in_parts()
+at_once()
 go_on()
 the_same_mesh_by_another_name()
 shapes()
+after_other_options()
+strange_parameters()
 somebody_elses()
 keep()
 stores()

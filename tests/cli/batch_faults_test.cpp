@@ -199,6 +199,18 @@ TEST_F(BatchFaults, ResumesWithAnotherList) {
   EXPECT_NE(run_parts("list.txt").find("3 were done before"), std::string::npos);
 }
 
+TEST_F(BatchFaults, AResultOfNoBytesIsNone) {
+  write_meshes(1);
+  done(words(kRun));
+  Json row = rows().at(0);
+  fs::remove(folder / ("out/" + row["output"]["file"].get<std::string>()));
+  row["output"]["bytes"] = 0;
+  row["output"]["hash"] = "0000000000000000";
+  write("out/manifest.jsonl", row.dump() + "\n");
+  EXPECT_TRUE(done(words(std::string(kRun) + " --resume")).says("1 mesh: 1 ok; in "));
+  EXPECT_EQ(files("out/fields").size(), 1u);
+}
+
 TEST_F(BatchFaults, RetryTakesFailedMeshesAlone) {
   write_meshes(3);
   write("mesh-1.obj", "no mesh\n");

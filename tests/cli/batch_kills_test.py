@@ -43,6 +43,17 @@ def rows(out):
     return last
 
 
+def kill(process, targets):
+    """Kills one of them; False where none of them is left, also if it has ended just now."""
+    if process.poll() is not None or not targets:
+        return False
+    try:
+        os.kill(random.choice(targets), signal.SIGKILL)
+    except ProcessLookupError:
+        return False
+    return True
+
+
 def end(process):
     said = process.communicate(timeout=LIMIT_S)[1]
     return process.returncode, said
@@ -55,23 +66,25 @@ for format in ("npz", "array"):
     whole_s = time.monotonic() - began
     out, killed, ended = f"{format}-killed", {"program": 0, "worker": 0}, 0
     options = ["--format", format]
-    while sum(killed.values()) < KILLS:
+    for _ in range(10 * KILLS + 100):
+        if sum(killed.values()) >= KILLS:
+            break
         process = start(out, *options)
         options = ["--format", format, "--resume"]
         # So that every moment of a run may be hit; what is done already is passed over quickly.
         time.sleep(random.random() * random.choice((0.1, 0.5, 1)) * whole_s)
         who = random.choice(("program", "worker"))
         targets = [process.pid] if who == "program" else workers_of(process)
-        if process.poll() is not None or not targets:
+        if not kill(process, targets):
             assert end(process)[0] in (0, 3)
             ended += 1
             if ended % 2 == 0:  # nothing is left to disturb: begin anew
                 options = ["--format", format, "-f"]
             continue
-        os.kill(random.choice(targets), signal.SIGKILL)
         code, said = end(process)
         assert code in (-signal.SIGKILL, 0, 3), (who, code, said)
         killed[who] += who == "worker" or code < 0  # it may just have ended by itself
+    assert sum(killed.values()) >= KILLS, f"{killed}: {ended} runs ended before they could be killed"
     code, said = end(start(out, "--format", format, "--resume"))
     assert code == 0, said
     assert rows(out) == rows(f"{format}-whole")

@@ -177,6 +177,18 @@ TEST_F(Batch, TheOrderDoesNotMatter) {
   EXPECT_EQ(files("a/points").size(), 6u);
 }
 
+TEST_F(Batch, AMeshThatIsListedTwiceIsMadeOnceAtATime) {
+  write("mesh.obj", octahedron());
+  std::string list;
+  for (int n = 0; n < 200; ++n) list += "mesh.obj\n";
+  write("list.txt", list);
+  done(words("batch list.txt -o out -r 8 -j 4"));
+  const std::vector<Json> found = rows();
+  EXPECT_EQ(found.size(), 200u);
+  for (const Json& row : found) EXPECT_EQ(row["output"], found.at(0)["output"]);
+  EXPECT_EQ(files("out/fields").size(), 1u);
+}
+
 TEST_F(Batch, FoldersAreWalkedInOrder) {
   write("meshes/b.obj", octahedron());
   write("meshes/a/2.obj", octahedron());
