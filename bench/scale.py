@@ -25,15 +25,16 @@ FILES = 5e3  # files per second that it makes
 SEED = 7
 
 
-def field_seconds(found, workers, task, network=math.inf, store=math.inf, files=math.inf):
+def field_seconds(found, workers, dask, network=math.inf, store=math.inf, files=math.inf):
     """Simulated: the client looks at all windows, the scheduler gives tasks one after the other, the mesh spreads from worker to
     worker, each prepares it and computes windows whose times are drawn from those measured. Returns seconds and what limits."""
     draw = random.Random(SEED)
     counts, tries = found["windows"], found["tries"]
     tasks = [draw.choice(tries[kind]) for kind in ("surface", "inside") for _ in range(counts[kind])]
     draw.shuffle(tasks)
-    client = found["prepare_s"] + found["look_s"] * sum(counts.values())
-    copies = math.ceil(math.log2(workers + 1)) * found["mesh_bytes"] / network
+    task, byte = dask["task_s"], dask["copy_s"] + 1 / network
+    client = found["prepare_s"] + found["look_s"] * sum(counts.values()) + dask["send_s"] * found["mesh_bytes"]
+    copies = math.ceil(math.log2(workers)) * byte * found["mesh_bytes"]
     free = [client + copies + found["prepare_s"]] * workers
     heapq.heapify(free)
     for n, (took, _) in enumerate(tasks, start=1):
@@ -91,13 +92,13 @@ def run(workload, only, build, note=""):
         sys.exit("bench: scale needs STANDOFF_PEER_PYTHON, a Python with standoff[dask]")
     for job, pieces in zip(jobs, found["fields"]):
         for workers, measured in sorted(pieces.get("measured_s", {}).items()):
-            simulated = field_seconds(pieces, int(workers), found["task_s"])[0]
+            simulated = field_seconds(pieces, int(workers), found["dask"])[0]
             checks.append({"job": job["what"], "workers": workers, "simulated": shown(simulated), "measured": shown(measured),
                            "measured / simulated": f"{measured / simulated:.2f}"})
         if "measured_s" in pieces:
             continue
         for machines in MACHINES:
-            seconds, limit = field_seconds(pieces, machines * os.cpu_count(), found["task_s"], NETWORK, STORE, FILES)
+            seconds, limit = field_seconds(pieces, machines * os.cpu_count(), found["dask"], NETWORK, STORE, FILES)
             rows.append({"job": job["what"], "machines": machines, "time": shown(seconds), "limited by": limit})
         print(f"  {job['name']}: {pieces['windows']}, prepared in {pieces['prepare_s']:.2f} s, " + ", ".join(
             f"{kind}: {sum(t for t, _ in tries) / len(tries):.3f} s and {sum(b for _, b in tries) / len(tries) / 1e6:.2f} MB" for kind, tries

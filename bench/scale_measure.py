@@ -8,10 +8,12 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from pathlib import Path
 
 try:
     import distributed
+    import numpy as np
     import standoff as so
     import standoff.dask as sd
     from standoff._targets import Target
@@ -29,19 +31,22 @@ def mesh_of(program, scene, folder):
     return so.read(path)
 
 
-def kind_of(windows, first, shape):
-    if windows.is_reached(first, shape):
-        return "surface"
-    return "outside" if windows.is_empty(first, shape) else "inside"
-
-
 def counted(windows):
-    """The windows of each kind, and what looking at one takes."""
-    began, found = time.perf_counter(), {"surface": [], "inside": [], "outside": []}
+    """Windows at the surface, and a sample of the others, which are inside or outside; how many there are of each kind, and what
+    looking at one of all takes."""
+    began, found, others = time.perf_counter(), {"surface": [], "inside": [], "outside": []}, []
     for first, shape in windows:
-        found[kind_of(windows, first, shape)].append((first, shape))
-    total = sum(map(len, found.values()))
-    return found, (time.perf_counter() - began) / total
+        (found["surface"] if windows.is_reached(first, shape) else others).append((first, shape))
+    reached_s, total = time.perf_counter() - began, len(found["surface"]) + len(others)
+    some = random.Random(SEED).sample(others, min(200, len(others)))
+    began = time.perf_counter()
+    for first, shape in some:
+        found["outside" if windows.is_empty(first, shape) else "inside"].append((first, shape))
+    look = (reached_s + (time.perf_counter() - began) * len(others) / max(1, len(some))) / total
+    counts = {kind: len(places) for kind, places in found.items()}
+    for kind in ("inside", "outside"):
+        counts[kind] = round(counts[kind] * len(others) / max(1, len(some)))
+    return found, counts, look
 
 
 def tried(windows, store, places, count):
@@ -63,23 +68,37 @@ def field_job(mesh, job, folder):
     began = time.process_time()
     windows = so.FieldWindows(mesh, window=job["shard"], threads=1, device="cpu", **arguments)
     prepare = time.process_time() - began
-    found, looking = counted(windows)
+    found, counts, looking = counted(windows)
     store = Path(folder) / "store.zarr"
     shard = (job["shard"],) * 3
     Target(str(store), None).create(windows._windows, windows.grid, windows.thickness, shard, (32, 32, 32), True)
     tries = {kind: tried(windows, store, found[kind], job["tries"]) for kind in ("surface", "inside")}
-    return {"name": job["name"], "windows": {kind: len(places) for kind, places in found.items()}, "prepare_s": prepare,
+    return {"name": job["name"], "windows": counts, "prepare_s": prepare,
             "look_s": looking, "tries": tries, "mesh_bytes": mesh.vertices.nbytes + mesh.faces.nbytes}
 
 
-def task_seconds(workers):
-    """What Dask's scheduler takes for a task that does nothing."""
-    count = 3000
+def same(data):
+    return data
+
+
+def dask_seconds(workers):
+    """What Dask's scheduler takes for a task that does nothing, and what a byte takes from the client to a worker, and from there to
+    another one."""
+    count, data = 3000, np.random.default_rng(SEED).bytes(100_000_000)
     with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
         client.gather(client.map(abs, range(100), pure=False))
         began = time.perf_counter()
         client.gather(client.map(abs, range(count), pure=False))
-        return (time.perf_counter() - began) / count
+        task = (time.perf_counter() - began) / count
+        first, second = client.scheduler_info()["workers"]
+        began = time.perf_counter()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            held = client.submit(same, data, workers=[first])
+        distributed.wait(held)
+        sent = time.perf_counter()
+        client.submit(len, held, workers=[second]).result()
+        return {"task_s": task, "send_s": (sent - began) / len(data), "copy_s": (time.perf_counter() - sent) / len(data)}
 
 
 def checked(mesh, job, folder):
@@ -97,7 +116,7 @@ def checked(mesh, job, folder):
 
 def main():
     program, *jobs = sys.argv[1:]
-    results = {"task_s": task_seconds(2), "fields": []}
+    results = {"dask": dask_seconds(2), "fields": []}
     for job in map(json.loads, jobs):
         with tempfile.TemporaryDirectory() as folder:
             mesh = mesh_of(program, job["scene"], folder)

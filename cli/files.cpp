@@ -13,6 +13,7 @@
 #include "cli/process.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"
+#include "files/atomic_folder.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
 
@@ -177,14 +178,17 @@ void FileOutput::check_name(const std::vector<FileFormat>& formats) const {
 }
 
 std::int64_t written_bytes(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) {
-    const auto bytes = fs::file_size(path, ignored);
-    return ignored ? 0 : static_cast<std::int64_t>(bytes);
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    const auto bytes = fs::file_size(path, error);
+    return error ? 0 : static_cast<std::int64_t>(bytes);
   }
   std::int64_t sum = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(path, ignored))
-    if (entry.is_regular_file(ignored)) sum += static_cast<std::int64_t>(entry.file_size(ignored));
+  all_entries(path, [&](const char* name, bool is_folder) {
+    const bool is_link_to_folder = !is_folder && fs::is_directory(path / name, error);
+    if (!is_link_to_folder) sum += written_bytes(path / name);
+    return true;
+  });
   return sum;
 }
 

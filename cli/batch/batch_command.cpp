@@ -191,7 +191,8 @@ bool BatchRun::shares_a_file(const BatchOrder& order) const {
 // Notes in the order what an earlier run knows of the mesh.
 bool BatchRun::is_wanted(BatchOrder& order) const {
   const EarlierRows::Row* const earlier = earlier_.find(order.mesh);
-  if (command_.retry_failed) return earlier && earlier->code != 0;
+  // The places of an array depend on the list, which may be another one: what rows say is looked at, as by --resume.
+  if (command_.retry_failed && !command_.making.array) return !earlier || earlier->code != 0;
   if (!earlier || earlier->code != 0 || !earlier->same_parameters) return true;
   order.earlier_hash = earlier->file_hash;
   order.earlier_bytes = earlier->bytes;
@@ -255,7 +256,7 @@ void BatchCommand::add_run(CLI::App& verb) {
       ->required();
   verb.add_flag("-f,--force", force, "begin anew where there is a manifest")->group("Output");
   verb.add_flag("--resume", resume, "go on: leave out meshes that are done and have not changed")->group("Output");
-  add_parsed(verb, {"--retry", "WHAT", "failed: only meshes that failed before", "Output"}, [this](S o, S t) {
+  add_parsed(verb, {"--retry", "WHAT", "failed: only meshes that are not done", "Output"}, [this](S o, S t) {
     parse_choice(o, t, {"failed"});
     retry_failed = true;
   });
@@ -440,7 +441,7 @@ void BatchCommand::tell(const BatchSummary& summary, const char* what) const {
   for (const auto& [code, count] : summary.counts) rows += count;
   const std::string manifest = manifest_path(folder, shard).string();
   std::string line = manifest + ": " + what + counted(rows, "mesh") + ": " + counts_text(summary.counts);
-  if (summary.skipped > 0) line += "; " + grouped(summary.skipped) + " were done before, or are left out";
+  if (summary.skipped > 0) line += "; " + grouped(summary.skipped) + " were done before";
   if (summary.seconds > 0)
     line += "; in " + seconds_text(summary.seconds) + ", " + number(static_cast<double>(rows) / summary.seconds) +
             " a second";

@@ -127,8 +127,7 @@ void link_or_copy(const fs::path& from, const fs::path& to, Existing existing) {
   if (errno == EEXIST && existing == Existing::replace) {
     const fs::path beside = to.parent_path() / unfinished_name();
     const int slot = note_unfinished(beside);
-    const bool renamed =
-        ::link(from.c_str(), beside.c_str()) == 0 && ::rename(beside.c_str(), to.c_str()) == 0;
+    const bool renamed = ::link(from.c_str(), beside.c_str()) == 0 && ::rename(beside.c_str(), to.c_str()) == 0;
     ::unlink(beside.c_str());  // it is still there where both names were of one file
     forget_unfinished(slot);
     if (renamed) return;
@@ -179,7 +178,8 @@ FieldCache::Key FieldCache::key(MeshView mesh, const Grid& grid, double thicknes
   std::string text = std::string("standoff ") + version();
   text += "; mesh " + hash_text(content_hash(mesh)) + " of " + std::to_string(mesh.triangles.size()) + " triangles, " +
           std::to_string(mesh.vertices.size()) + " vertices";
-  text += "; size " + three(grid.size) + ", origin " + three(grid.origin) + ", first " + three(grid.first) + ", spacing " + three(grid.spacing);
+  text += "; size " + three(grid.size) + ", origin " + three(grid.origin) + ", first " + three(grid.first) +
+          ", spacing " + three(grid.spacing);
   text += "; thickness " + exact_text(thickness);
   text += std::string("; sign ") + find_info(sign.method)->name + " " + rule_name(sign.rule);
   for (const auto& [given, name] : {std::pair{sign.invert, " invert"},

@@ -233,6 +233,17 @@ bool FieldInWindows::is_reached(const Size3& first, const Size3& size) {
 
 bool FieldInWindows::is_empty(const Size3& first, const Size3& size) {
   if (is_reached(first, size)) return false;
+  const SignMethod method = computation_.sign_method();
+  if (plan().in_windows && method == SignMethod::none) return true;
+  if (plan().in_windows && method != SignMethod::shell && !signs_of_grid_) {
+    const Grid window = checked(first, size);
+    bool one_sign = false, inside = false;
+    computation_.threads().run([&] {
+      one_sign = is_of_one_sign(window);
+      inside = one_sign && is_inside(window);
+    });
+    if (one_sign) return inside == options_.sign.invert;
+  }
   DistanceField field;
   compute(first, size, field);
   return field.stored_tiles() == 0 && std::ranges::find(field.slots(), DistanceField::kInside) == field.slots().end();

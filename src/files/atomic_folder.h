@@ -12,8 +12,8 @@ namespace standoff {
 class ProgressMeter;
 
 /// Whether a folder can be read, and `holds` is true of the name of each entry, and of whether that is a folder itself,
-/// not a link to one. Ends at the first entry of which it is not. (The iterators of std::filesystem end the process where
-/// memory runs out.)
+/// not a link to one. Ends at the first entry of which it is not. (The iterators of std::filesystem end the process
+/// where memory runs out.)
 bool all_entries(const std::filesystem::path& folder,
                  const std::function<bool(const char* name, bool is_folder)>& holds);
 

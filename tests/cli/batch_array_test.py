@@ -120,7 +120,7 @@ def go_on():
     assert "3 meshes: 2 ok, 1 input; 2 were done before" in batch("-o", "whole", *GRID, "--resume", scenes=other).stderr
     expect("whole", other)
     assert "1 mesh: 1 input; 4 were done before" in batch("-o", "whole", *GRID, "--resume", scenes=other).stderr
-    batch("-o", "whole", *GRID, "--resume")
+    batch("-o", "whole", *GRID, "--retry", "failed")
     expect("whole")
     batch("-o", "whole", *GRID, "-f", scenes=other)
     expect("whole", other)

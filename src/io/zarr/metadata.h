@@ -59,7 +59,7 @@ struct StoreMetadata {
   StoredLayout distance;
   std::optional<StoredLayout> nearest;
   bool own = true;  ///< standoff wrote it
-  int levels = 1;  ///< that the store lists: 0 is the field, each other one every second sample of the one before
+  int levels = 1;   ///< that the store lists: 0 is the field, each other one every second sample of the one before
 };
 
 /// Level `number` of a store, as standoff writes it: every 2^number-th sample along each axis, without nearest

@@ -102,7 +102,8 @@ void ZarrStore::write(Size3 first, const DistanceField& window, const ZarrWriteO
   zarr::check_window(*contents_, first, window);
   // Levels, which others may have written since, would no longer be those of the field: it has none until they are
   // written again.
-  if (contents_->own && contents_->distance.folder == path() / zarr::kDistanceName && zarr::read_store(path()).levels > 1)
+  if (contents_->own && contents_->distance.folder == path() / zarr::kDistanceName &&
+      zarr::read_store(path()).levels > 1)
     zarr::end_levels(*contents_, 1);
   zarr::write_window(*contents_, first, window, true, options.threads, meter);
   meter.stage("done", 1, 1, 1);
