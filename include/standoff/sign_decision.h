@@ -15,6 +15,8 @@
 
 namespace standoff {
 
+class SignDecisionContent;
+
 /// How the sign of a mesh's field was decided: the method and why, the orientation of the triangles, the boundary of
 /// the mesh's holes, and of SignMethod::flood the sides that it found. WindowComputation::decision() makes it, and
 /// ComputeOptions::decision takes it: then nothing is decided again, and the values have the same bits.
@@ -23,11 +25,8 @@ namespace standoff {
 /// `strict` may be others. A decision with a flood is for one grid, all others for any. Copies share their content.
 class STANDOFF_API SignDecision {
  public:
-  class Content;
-
   /// Nothing was decided.
   SignDecision() = default;
-  explicit SignDecision(std::shared_ptr<const Content> content) : content_(std::move(content)) {}
 
   /// Reads what bytes() wrote, on any machine. What is in it is checked where it is used, before it is relied upon, so
   /// bytes of others do no harm; they may decide a wrong sign. Errors: input (damaged, or of another version), limit.
@@ -43,11 +42,12 @@ class STANDOFF_API SignDecision {
   /// content_hash() of the mesh. Errors: usage.
   std::uint64_t mesh_hash() const;
 
-  /// Requires a decision.
-  const Content& content() const { return *content_; }
-
  private:
-  std::shared_ptr<const Content> content_;
+  friend struct SignDecisionAccess;
+  explicit SignDecision(std::shared_ptr<const SignDecisionContent> content) : content_(std::move(content)) {}
+  const SignDecisionContent& expected() const;
+
+  std::shared_ptr<const SignDecisionContent> content_;
 };
 
 }  // namespace standoff

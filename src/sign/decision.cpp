@@ -210,7 +210,7 @@ std::vector<std::byte> sealed(std::span<const std::byte> content) {
   return to.take();
 }
 
-SignDecision::Content::Content(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {
+SignDecisionContent::SignDecisionContent(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {
   Reader from(bytes_);
   if (bytes_.size() < kSealBytes || !std::ranges::equal(from.take_bytes(8), std::as_bytes(std::span(kMark))))
     throw Error(ErrorCode::input, "sign decision: these bytes are no decision; give what was kept of one");
@@ -414,7 +414,7 @@ SignDecision decision_of(const SignPlan& plan, MeshView mesh, std::uint64_t hash
   if (plan.flood) put_grid(to, grid);
   for (const auto* list : {&use, &exposed, &boundary, &flood}) to.put(static_cast<std::uint64_t>(list->size()));
   for (const auto* list : {&use, &exposed, &boundary, &flood}) to.put_bytes(*list);
-  return SignDecision(std::make_shared<const SignDecision::Content>(sealed(to.take())));
+  return SignDecisionAccess::made_of(sealed(to.take()));
 }
 
 namespace {
@@ -424,8 +424,8 @@ namespace {
               "compute: the sign decision was made for " + what + "; take that one, or make a new one");
 }
 
-void expect_made_for(const SignDecision::Content& content, MeshView mesh, std::uint64_t hash,
-                     const SignOptions& options, const Grid& grid) {
+void expect_made_for(const SignDecisionContent& content, MeshView mesh, std::uint64_t hash, const SignOptions& options,
+                     const Grid& grid) {
   if (content.mesh_hash != hash || content.triangles != mesh.triangles.size()) fail_of_another("another mesh");
   const SignOptions& made_for = content.made_for;
   if (made_for.method != options.method)
@@ -445,7 +445,7 @@ void expect_made_for(const SignDecision::Content& content, MeshView mesh, std::u
 
 SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash, const SignOptions& options,
                  const Grid& grid) {
-  const SignDecision::Content& content = decision.content();
+  const SignDecisionContent& content = SignDecisionAccess::content(decision);
   expect_made_for(content, mesh, hash, options, grid);
   const std::size_t triangles = mesh.triangles.size();
   SignPlan plan;
@@ -464,7 +464,7 @@ SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash
 // The public class.
 
 SignDecision SignDecision::from_bytes(std::span<const std::byte> bytes) try {
-  return SignDecision(std::make_shared<const Content>(std::vector<std::byte>(bytes.begin(), bytes.end())));
+  return SignDecisionAccess::made_of({bytes.begin(), bytes.end()});
 } catch (...) {
   throw_as_error("sign decision");
 }
@@ -476,17 +476,12 @@ std::vector<std::byte> SignDecision::bytes() const try {
   throw_as_error("sign decision");
 }
 
-namespace {
-
-const SignDecision::Content& content_of(const SignDecision& decision) {
-  if (decision.empty())
+const SignDecisionContent& SignDecision::expected() const {
+  if (empty())
     throw Error(ErrorCode::usage, "sign decision: it is empty; take one of WindowComputation, or read its bytes");
-  return decision.content();
+  return *content_;
 }
-
-}  // namespace
-
-const SignReport& SignDecision::report() const { return content_of(*this).report; }
-std::uint64_t SignDecision::mesh_hash() const { return content_of(*this).mesh_hash; }
+const SignReport& SignDecision::report() const { return expected().report; }
+std::uint64_t SignDecision::mesh_hash() const { return expected().mesh_hash; }
 
 }  // namespace standoff

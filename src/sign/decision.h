@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sign/plan.h"
@@ -18,10 +19,10 @@
 namespace standoff {
 
 /// The checksum, and all that it is of.
-class SignDecision::Content {
+class SignDecisionContent {
  public:
   /// Reads the head. Throws Error{input}.
-  explicit Content(std::vector<std::byte> bytes);
+  explicit SignDecisionContent(std::vector<std::byte> bytes);
 
   std::span<const std::byte> bytes() const { return bytes_; }
   std::uint64_t mesh_hash = 0;
@@ -31,11 +32,19 @@ class SignDecision::Content {
   std::optional<Grid> grid;                                  ///< of the flood
   std::span<const std::byte> use, exposed, boundary, flood;  ///< packed: of SignPlan
 
-  Content(const Content&) = delete;
-  Content& operator=(const Content&) = delete;
+  SignDecisionContent(const SignDecisionContent&) = delete;
+  SignDecisionContent& operator=(const SignDecisionContent&) = delete;
 
  private:
   std::vector<std::byte> bytes_;
+};
+
+struct SignDecisionAccess {
+  static SignDecision made_of(std::vector<std::byte> bytes) {
+    return SignDecision(std::make_shared<const SignDecisionContent>(std::move(bytes)));
+  }
+  /// Requires a decision.
+  static const SignDecisionContent& content(const SignDecision& decision) { return *decision.content_; }
 };
 
 /// The decision of a plan whose signs are made. `hash`: of the mesh. Requires the grid of the plan's flood.
