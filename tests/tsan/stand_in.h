@@ -152,6 +152,12 @@ requires std::is_invocable_v<const Function&, const Range&, Value> Value paralle
   return result;
 }
 
+template <class Range, class Value, class Function, class Join>
+Value parallel_deterministic_reduce(const Range& range, const Value& identity, const Function& function,
+                                    const Join& join) {
+  return parallel_reduce(range, identity, function, join);
+}
+
 template <class Range, class Body, class... Partitioner>
 requires std::is_constructible_v<Body, Body&, split>
 void parallel_reduce(const Range& range, Body& body, const Partitioner&...) {
