@@ -3,7 +3,6 @@
 // distances at its samples; means of neighbours would be distances of nothing.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <string>
 
 #include "core/progress.h"

@@ -20,7 +20,6 @@
 #include "core/number_text.h"
 #include "files/atomic_folder.h"
 #include "files/json_view.h"
-#include "io/zarr/metadata_text.h"
 #include "io/zarr/shard.h"
 #include "standoff/error.h"
 

@@ -3,6 +3,7 @@
 // programs write with the same codecs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -17,6 +18,12 @@ namespace standoff::zarr {
 /// The names in a store: of the array of distances, as OME-Zarr calls its first level (others are called by their
 /// numbers), and of nearest triangles.
 inline constexpr const char *kDistanceName = "0", *kNearestName = "nearest", *kMetadataName = "zarr.json";
+
+/// Of the attributes that standoff writes.
+inline constexpr std::uint64_t kFormat = 1;
+inline constexpr const char *kOwnAttributes = "standoff", *kSum = "metadata_crc32c";
+inline constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+inline constexpr const char *kInfinity = "Infinity", *kMinusInfinity = "-Infinity", *kNotANumber = "NaN";
 
 /// The most levels: those of 2^40 samples would end before.
 inline constexpr int kMostLevels = 32;
@@ -71,6 +78,13 @@ StoreMetadata level_of(const StoreMetadata& store, int number);
 std::string distance_text(const StoreMetadata& store);
 std::string nearest_text(const StoreMetadata& store);
 std::string group_text(const StoreMetadata& store);
+
+/// The text of an array's zarr.json. `attributes`: JSON.
+std::string array_text(const ArrayLayout& layout, const std::string& attributes);
+/// The members of our attributes, but for the checksum.
+std::string own_members(const StoreMetadata& store, bool nearest);
+/// What the checksum of an array's metadata is of: all that its samples depend on, however it is written down.
+std::uint32_t sum_of(const ArrayLayout& layout, const std::string& members);
 
 /// The most bytes of a zarr.json that is read.
 inline constexpr std::uint64_t kMostMetadataBytes = std::uint64_t{16} << 20;

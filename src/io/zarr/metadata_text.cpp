@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/zarr/metadata_text.h"
-
+// How zarr.json is written.
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 
 #include "core/number_text.h"
 #include "io/zarr/blosc.h"
+#include "io/zarr/metadata.h"
 #include "io/zarr/parts.h"
 #include "io/zarr/shard.h"
 

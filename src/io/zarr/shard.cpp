@@ -49,8 +49,6 @@ std::uint32_t crc32c(std::span<const std::byte> bytes) {
   return ~crc;
 }
 
-bool ShardIndex::empty() const { return std::ranges::none_of(entries_, &Entry::stored); }
-
 std::vector<std::byte> ShardIndex::bytes() const {
   static_assert(sizeof(Entry) == 16);
   std::vector<std::byte> bytes(size_of(chunks_));

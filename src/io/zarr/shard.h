@@ -33,8 +33,6 @@ class ShardIndex {
 
   Entry& operator[](const Size3& chunk) { return entries_[place(chunk)]; }
   const Entry& operator[](const Size3& chunk) const { return entries_[place(chunk)]; }
-  /// Whether no chunk is stored.
-  bool empty() const;
 
   /// As it stands in a file.
   std::vector<std::byte> bytes() const;
