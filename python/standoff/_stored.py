@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import operator
 import threading
 import weakref
 from collections import OrderedDict
@@ -71,8 +72,19 @@ class _Reader:
                 (copy / array / "c" / old).unlink(missing_ok=True)
 
 
+def _index(key: Any) -> int:
+    try:
+        return operator.index(key)
+    except TypeError:
+        raise IndexError(f"a stored field takes whole numbers, slices and ..., not {key!r}") from None
+
+
 class StoredField:
-    """A field in a Zarr store (`standoff.open`). It is read where it is asked for, and may be larger than memory."""
+    """A field in a Zarr store (`standoff.open`). It is read where it is asked for, and may be larger than memory.
+
+    Dask, and others who take what has ``shape``, ``dtype`` and slices, read it in parts: ``dask.array.from_array(stored,
+    chunks=stored.shard)``. Pickled, it is the way to the store alone.
+    """
 
     def __init__(self, target: Any, level: int = 0) -> None:  # a Target
         self._target: Target = target
@@ -93,6 +105,11 @@ class StoredField:
     def shape(self) -> tuple[int, int, int]:
         """Samples per axis."""
         return self._grid.shape
+
+    @property
+    def ndim(self) -> int:
+        """3."""
+        return 3
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -180,13 +197,23 @@ class StoredField:
                 size.append(high - low + 1)
                 steps.append(slice(0, 0) if not places else slice(None, None, places.step))
             else:
-                index = int(one.__index__())
+                index = _index(one)
                 if not -n <= index < n:
                     raise IndexError(f"sample {index} is not along axis {axis}, which has {n}")
                 first.append(index % n)
                 size.append(1)
                 steps.append(0)
         return self.window(first, size).numpy()[tuple(steps)]
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        if copy is False:
+            raise ValueError("a stored field is read from its files: it has no array to share; leave copy=False out")
+        values = self.load().numpy()
+        return values if dtype is None else values.astype(dtype)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle keeps where the store is: it is opened again."""
+        return StoredField, (self._target, self._level)
 
     def __call__(self, points: Any, *, outside: str = "nan", threads: int = 0) -> Any:
         """Values between samples, as `DistanceField` gives them; reads the chunks around the points.
@@ -251,4 +278,4 @@ def open_store(url: Any, *, level: int = 0, storage_options: dict[str, Any] | No
     target = Target(url, storage_options)
     if not target.exists() and not target.is_folder:
         raise UsageError(f"{target.url}: there is no store; check the name")
-    return StoredField(target, whole_number(level, "level"))
+    return StoredField(target, whole_number(level, "level", bits=32))

@@ -2,6 +2,7 @@
 """Fields in stores: what is asked for has the bits of the whole field, and nothing else is read."""
 
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -66,9 +67,29 @@ def test_slices_are_those_of_numpy(key, stored, whole):
 
 
 def test_slices_that_are_none(stored):
-    for key in (200, (0, 0, -132), (0, 0, 0, 0)):
+    for key in (200, (0, 0, -132), (0, 0, 0, 0), "x", (0, 1.5), [1, 2]):
         with pytest.raises(IndexError):
             stored[key]
+
+
+def test_as_an_array(stored, whole):
+    assert stored.ndim == 3
+    np.testing.assert_array_equal(np.asarray(stored), whole.numpy())
+    assert np.asarray(stored, dtype=np.float64).dtype == np.float64
+    with pytest.raises(ValueError, match="no array to share"):
+        stored.__array__(copy=False)
+
+
+# Dask sends what it slices to its workers.
+def test_pickled(stored, whole):
+    again = pickle.loads(pickle.dumps(stored))
+    assert again.grid == stored.grid and again.level == stored.level
+    np.testing.assert_array_equal(again[100:110, 5], whole.numpy()[100:110, 5])
+
+
+def test_levels_that_are_none(stored):
+    with pytest.raises(ValueError, match="level: "):
+        so.open(stored._target.url, level=2**40)
 
 
 def test_values_between_samples(stored, whole):
