@@ -18,16 +18,10 @@ bool agree_on_sweep(const CollisionPeer& peer, const RigidMotion& motion, double
                     double theirs) {
   constexpr int kLooks = 8;
   if (ours > 1) return theirs > 1;
-  if (peer.distance(on_the_way(motion, ours)) > tolerance * (1 + 1e-6)) return false;
+  if (peer.distance(pose_at(motion, ours)) > tolerance * (1 + 1e-6)) return false;
   for (int look = 0; look < kLooks && ours > theirs; ++look)
-    if (peer.collide(on_the_way(motion, theirs + (ours - theirs) * look / kLooks))) return false;
+    if (peer.collide(pose_at(motion, theirs + (ours - theirs) * look / kLooks))) return false;
   return true;
-}
-
-Pose on_the_way(const RigidMotion& motion, double t) {
-  Pose pose = motion.start;
-  pose.translation = motion.start.translation + (motion.end.translation - motion.start.translation) * t;
-  return pose;
 }
 
 }  // namespace standoff::bench

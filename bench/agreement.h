@@ -20,7 +20,4 @@ bool agree(Query query, double ours, double theirs);
 /// is not free if the peer's is not.
 bool agree_on_sweep(const CollisionPeer& peer, const RigidMotion& motion, double tolerance, double ours, double theirs);
 
-/// The pose at a time of a motion without rotation.
-Pose on_the_way(const RigidMotion& motion, double t);
-
 }  // namespace standoff::bench

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collision_workload.h"
+#include "conforming.h"
 #include "scenes/scenes.h"
 #include "scenes/size.h"
 #include "standoff/io.h"
@@ -10,8 +11,11 @@
 namespace standoff::bench {
 
 Mesh make_body(const BodySource& source) {
-  const bool file = source.name.find('/') != std::string::npos;
-  Mesh mesh = file ? read_mesh(source.name).mesh : scenes::make(source.name, source.triangles);
+  const bool conforming = is_conforming(source.name);
+  const bool file = !conforming && source.name.find('/') != std::string::npos;
+  Mesh mesh = conforming ? make_conforming(source.name, source.triangles)
+              : file     ? read_mesh(source.name).mesh
+                         : scenes::make(source.name, source.triangles);
   if (file) scenes::split_to(mesh, source.triangles);
   if (source.size > 0) {
     const Box box = bounds(mesh);

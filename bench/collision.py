@@ -2,6 +2,8 @@
 """Collision queries beside FCL and Coal, both in one process with standoff, in turns (collision_contest.cpp), and batches of
 them with one thread and with two (bench_collision.cpp)."""
 
+import math
+
 import quotes
 from harness import machine_lines, markdown, results_folder, write_csv
 
@@ -40,7 +42,10 @@ def placing(where):
     elif "hits" in words:
         share = float(words["hits"])
         text = "in its box, " + ("free" if share == 0 else "touching" if share == 1 else f"{100 * share:.0f} % touching")
-    return text + (f", way {words['way']}" if "way" in words else "")
+    elif "spin" in words:
+        moved = [f"{words[axis]} along {axis[1]}" for axis in ("dx", "dy", "dz") if axis in words]
+        text = f"in its place, spun by at most {words['spin']} degrees" + (f", moved by at most {', '.join(moved)}" if moved else "")
+    return text + (f", way {words['way']}" if "way" in words else "") + (f", turning by {words['rotate']} degrees" if "rotate" in words else "")
 
 
 def contest_row(pair, query, where, line):
@@ -49,6 +54,8 @@ def contest_row(pair, query, where, line):
         "pair": pair["name"], "query": query["what"], "place of b": placing(where), "peer": line["peer"],
         "poses": line["poses"], "hits": line["hits"], "rounds": line["rounds"],
         "standoff ms": milliseconds(line, "standoff"), "peer ms": milliseconds(line, "peer"), "ratio": ratio(line),
+        "of medians": f"{line['ratio_of_medians']:.3g}x" if "ratio_of_medians" in line else "-",
+        "slowest / median": f"{line['standoff_slowest_s'] / line['standoff_median_s']:.3g}" if "standoff_slowest_s" in line else "-",
         "at least": f"{query['at_least']}x", "answers that differ": line["differ"],
         "standoff build s": f"{line['standoff_build_s']:.2f}", "peer build s": f"{line['peer_build_s']:.2f}",
     }
@@ -105,11 +112,17 @@ def write(tables, only, header):
 def pair_rows(drivers, peers, job, pair, rounds):
     """All questions about a pair: of each peer in one process, which builds the bodies once."""
     asked = [(query, where) for query, places in pair["ask"].items() for where in places]
-    word = lambda query: "sweep" if query in ("short", "long") else query
+    word = lambda query: {"short": "sweep", "long": "sweep", "near": "distance", "far": "distance"}.get(query, query)
     args = [*job["args"], *pair["args"], "--query", *(f"{word(query)}@{where}" for query, where in asked)]
     processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in peers]
     return [contest_row(pair, job["queries"][query], where, middle([lines[n] for lines in of_peer]))
             for n, (query, where) in enumerate(asked) for of_peer in processes]
+
+
+def worst_first(row):
+    """The order of rows: by query, and of each the worst ratio first."""
+    ratio_of = quotes.value(row["ratio"])
+    return row["query"], math.inf if ratio_of is None else ratio_of
 
 
 def run(drivers, workloads, with_peers, only, rounds, build, note=""):
@@ -122,6 +135,7 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
     rows = [row for pair in chosen(job["pairs"]) if peers for row in pair_rows(drivers, peers, job, pair, rounds)]
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
                for batch in chosen(workloads["batches"])]
+    rows.sort(key=worst_first)
     write({"collision": rows, "collision-threads": batches}, only, header)
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collision_contest.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <iostream>
+#include <limits>
+#include <numbers>
+#include <span>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -40,6 +45,7 @@ struct Asked {
   const Question& question;
   std::vector<Pose> poses;
   std::vector<RigidMotion> motions;
+  double reach;  ///< the largest distance of b's corners from its y axis
 };
 
 double ask_standoff(const Asked& asked, const Body& a, const Body& b, std::size_t n) {
@@ -60,14 +66,14 @@ double ask_standoff(const Asked& asked, const Body& a, const Body& b, std::size_
   return swept.hit ? swept.time : kFree;
 }
 
-/// Conservative advancement: the path is straight, so its length bounds the speed of all points.
-double advance(const CollisionPeer& peer, const RigidMotion& motion, double tolerance) {
+/// Conservative advancement: the length of the way and of the turn bounds the speed of all points.
+double advance(const CollisionPeer& peer, const RigidMotion& motion, double turn, double tolerance) {
   const Vec3 way = motion.end.translation - motion.start.translation;
-  const double length = std::sqrt(dot(way, way));
+  const double speed = std::sqrt(dot(way, way)) + turn;
   for (double t = 0; t <= 1;) {
-    const double apart = peer.distance(on_the_way(motion, t));
+    const double apart = peer.distance(pose_at(motion, t));
     if (apart <= tolerance) return t;
-    t += (apart - tolerance / 2) / length;
+    t += (apart - tolerance / 2) / speed;
   }
   return kFree;
 }
@@ -86,25 +92,36 @@ double ask_peer(const Asked& asked, const CollisionPeer& peer, std::size_t n) {
     case Query::sweep:
       break;
   }
-  return advance(peer, asked.motions[n], asked.settings.tolerance);
+  const double turn = asked.question.rotate_degrees.value_or(0) * std::numbers::pi / 180 * asked.reach;
+  return advance(peer, asked.motions[n], turn, asked.settings.tolerance);
 }
 
 /// The turns of one program.
 struct Side {
-  std::vector<double> seconds;  ///< for all poses once, by round
+  std::vector<double> seconds;   ///< for all poses once, by round
+  std::vector<double> of_poses;  ///< the least wall-clock seconds of each
   std::vector<double> answers;
   double spent = 0;
   bool late = false;  ///< it was stopped at the limit, which then counts as its time
 };
 
-/// Asks about all poses, again and again for a minimum time.
+/// Asks about all poses, again and again for a minimum time. What is told: seconds, passes, answers, and the least
+/// seconds of each pose.
 template <class Ask>
 void take_turn(Side& side, std::size_t poses, double least_s, double limit_s, Ask&& ask) {
   const auto turn = run_in_child(limit_s, [&] {
-    std::vector<double> told(2 + poses);  // seconds, passes, answers
+    std::vector<double> told(2 + 2 * poses, std::numeric_limits<double>::infinity());
+    told[0] = told[1] = 0;
     const double start = cpu_seconds();
     do {
-      for (std::size_t n = 0; n < poses; ++n) told[2 + n] = ask(n);
+      auto before = std::chrono::steady_clock::now();
+      for (std::size_t n = 0; n < poses; ++n) {
+        told[2 + n] = ask(n);
+        const auto now = std::chrono::steady_clock::now();
+        double& least = told[2 + poses + n];
+        least = std::min(least, std::chrono::duration<double>(now - before).count());
+        before = now;
+      }
       ++told[1];
       told[0] = cpu_seconds() - start;
     } while (told[0] < least_s);
@@ -113,12 +130,20 @@ void take_turn(Side& side, std::size_t poses, double least_s, double limit_s, As
   side.late = !turn;
   side.spent += turn ? (*turn)[0] : limit_s;
   side.seconds.push_back(turn ? (*turn)[0] / (*turn)[1] : limit_s);
-  if (turn) side.answers.assign(turn->begin() + 2, turn->end());
+  if (!turn) return;
+  const auto answers = turn->begin() + 2, of_poses = answers + static_cast<std::ptrdiff_t>(poses);
+  side.answers.assign(answers, of_poses);
+  if (side.of_poses.empty()) side.of_poses.assign(of_poses, turn->end());
+  std::ranges::transform(side.of_poses, std::span(of_poses, turn->end()), side.of_poses.begin(), std::ranges::min);
 }
 
 void write(nlohmann::json& line, const std::string& who, const Side& side) {
   line[who + "_s"] = median(side.seconds);
   line[who + "_late"] = side.late;
+  if (!side.of_poses.empty()) {
+    line[who + "_median_s"] = median(side.of_poses);
+    line[who + "_slowest_s"] = std::ranges::max(side.of_poses);
+  }
   if (side.answers.size() == 1) line[who + "_answer"] = side.answers[0];
 }
 
@@ -146,6 +171,8 @@ nlohmann::json measure_question(const Asked& asked, const Body& a, const Body& b
                       {"hits", hits},
                       {"differ", differ},
                       {"ratio", median(theirs.seconds) / median(ours.seconds)}};
+  if (!ours.of_poses.empty() && !theirs.of_poses.empty())
+    line["ratio_of_medians"] = median(theirs.of_poses) / median(ours.of_poses);
   write(line, "standoff", ours);
   write(line, "peer", theirs);
   return line;
@@ -162,10 +189,12 @@ void run(const Contest& contest, const std::string& peer_name, const MakePeer& m
   start = cpu_seconds();
   const std::unique_ptr<CollisionPeer> peer = make_peer(mesh_a, mesh_b);
   const double peer_build = cpu_seconds() - start;
+  double reach = 0;
+  for (const Vec3& corner : mesh_b.vertices) reach = std::max(reach, std::hypot(corner.x, corner.z));
   PosesDrawn drawn(settings, a, b);
   for (std::size_t n = 0; n < questions.size(); ++n) {
     if (questions.size() > 1) std::cerr << "    " << contest.questions[n] << std::endl;  // some take minutes
-    Asked asked{settings, questions[n], drawn.of(questions[n]), {}};
+    Asked asked{settings, questions[n], drawn.of(questions[n]), {}, reach};
     asked.motions = make_motions(settings, questions[n], asked.poses);
     nlohmann::json line = measure_question(asked, a, b, *peer, contest);
     line.update({{"peer", peer_name},
@@ -186,7 +215,8 @@ int run_collision_contest(int argc, char** argv, const std::string& peer_name, c
   add_options(app, contest.settings);
   app.add_option("--query", contest.questions,
                  "collide, contacts, all_contacts, distance or sweep, of poses drawn; QUERY@X,Y,Z: with b moved so far "
-                 "from its own place; QUERY@KEY=NUMBER,..: gap, depth, turn or hits, poses, way (bench/question.h)");
+                 "from its own place; QUERY@KEY=NUMBER,..: gap, depth, turn, hits or spin, poses, way and more "
+                 "(bench/question.h)");
   app.add_option("--limit", contest.limit_s, "processor time a turn may take, seconds")->check(CLI::Range(0.001, 1e6));
   app.add_option("--enough", contest.enough_s, "no new round after this much processor time of both, seconds")
       ->check(CLI::NonNegativeNumber);

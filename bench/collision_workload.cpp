@@ -6,7 +6,8 @@
 namespace standoff::bench {
 
 void add_options(CLI::App& app, CollisionSettings& settings) {
-  app.add_option("--a", settings.a.name, "what rests: a scene, or a mesh file (with a slash in its name)");
+  app.add_option("--a", settings.a.name,
+                 "what rests: a scene, a body of bench/conforming.h, or a mesh file (with a slash in its name)");
   app.add_option("--b", settings.b.name, "what is placed");
   app.add_option("--triangles-a", settings.a.triangles, "of a scene; a file is split until it has so many");
   app.add_option("--triangles-b", settings.b.triangles);

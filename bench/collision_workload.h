@@ -15,7 +15,7 @@ class App;
 
 namespace standoff::bench {
 
-/// A scene made by code, or a mesh file if the name has a slash.
+/// A scene or a body of conforming.h, both made by code, or a mesh file if the name has a slash.
 struct BodySource {
   std::string name;
   std::int64_t triangles = 0;  ///< of a scene; a file's edges are halved until it has this many. 0: unchanged
@@ -50,7 +50,7 @@ class PosesDrawn {
   /// The last poses of each placing: moving a pose to a gap takes longer than a query.
   std::map<std::string, std::vector<Pose>> known_;
 };
-/// A straight motion from each pose.
+/// A motion from each pose: straight, and turning about b's y axis if the question says so.
 std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Question& question,
                                       const std::vector<Pose>& poses);
 

@@ -115,6 +115,19 @@ std::vector<Pose> turned_in_place(std::size_t count, double degrees, const Body&
   });
 }
 
+std::vector<Pose> spun_in_place(std::size_t count, const Question& question) {
+  return draw_poses(count, [&](Dice& dice) {
+    const double most = *question.spin_degrees * std::numbers::pi / 180;
+    const auto to_either_side = [&](const std::optional<double>& by) {
+      const double length = by.value_or(0);
+      return dice.between(-length, length);
+    };
+    const double angle = dice.between(-most, most), x = to_either_side(question.dx), y = to_either_side(question.dy),
+                 z = to_either_side(question.dz);
+    return std::optional(make_pose({0, 1, 0}, angle, {x, y, z}));
+  });
+}
+
 }  // namespace
 
 std::vector<Pose> PosesDrawn::of(const Question& question) {
@@ -125,11 +138,12 @@ std::vector<Pose> PosesDrawn::of(const Question& question) {
   }
   const std::size_t count = question.poses.value_or(settings_.poses);
   std::vector<Pose>& poses = known_[question.placing];
-  const bool in_box = !question.gap && !question.depth && !question.turn_degrees;
+  const bool in_box = !question.gap && !question.depth && !question.turn_degrees && !question.spin_degrees;
   if (in_box ? poses.size() != count : poses.size() < count)
     poses = question.gap            ? near_each_other(count, *question.gap, a_, b_)
             : question.depth        ? in_each_other(count, *question.depth, a_, b_)
             : question.turn_degrees ? turned_in_place(count, *question.turn_degrees, a_, b_)
+            : question.spin_degrees ? spun_in_place(count, question)
                                     : in_the_box(count, question.hits.value_or(settings_.hits), a_, b_);
   return {poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(count)};
 }
@@ -141,6 +155,10 @@ std::vector<RigidMotion> make_motions(const CollisionSettings& settings, const Q
   std::vector<RigidMotion> motions;
   for (const Pose& pose : poses) {
     RigidMotion motion{pose, pose, {}};
+    if (question.rotate_degrees) {
+      const Pose turn = make_pose({0, 1, 0}, *question.rotate_degrees * std::numbers::pi / 180, {});
+      motion.end = compose(pose, turn);
+    }
     const Vec3 direction = settings.direction.empty()
                                ? dice.direction()
                                : Vec3{settings.direction[0], settings.direction[1], settings.direction[2]};

@@ -39,13 +39,19 @@ void read_word(Question& question, const std::string& word, const std::string& t
     set(question.turn_degrees, value >= 0 && value <= 180);
   else if (key == "hits")
     set(question.hits, value >= 0 && value <= 1);
+  else if (key == "spin")
+    set(question.spin_degrees, value >= 0 && value <= 180);
+  else if (key == "dx" || key == "dy" || key == "dz")
+    set(key == "dx" ? question.dx : key == "dy" ? question.dy : question.dz, value >= 0);
   else if (key == "way")
-    set(question.way, value > 0);
+    set(question.way, value >= 0);
+  else if (key == "rotate")
+    set(question.rotate_degrees, value >= 0 && value <= 180);
   else if (key == "poses")
     set(question.poses, value >= 1 && value <= 1e9 && value == std::floor(value));
   else
     fail("no such key", text);
-  if (key != "poses" && key != "way") question.placing = word;
+  if (key != "poses" && key != "way" && key != "rotate") question.placing += (question.placing.empty() ? "" : ",") + word;
 }
 
 }  // namespace
@@ -73,9 +79,10 @@ Question parse_question(const std::string& text) {
   else if (!place.empty())
     fail("not three numbers", text);
   if (question.place.has_value() + question.gap.has_value() + question.depth.has_value() +
-          question.turn_degrees.has_value() + question.hits.has_value() >
+          question.turn_degrees.has_value() + question.hits.has_value() + question.spin_degrees.has_value() >
       1)
-    fail("more than one of X,Y,Z, gap, depth, turn and hits", text);
+    fail("more than one of X,Y,Z, gap, depth, turn, hits and spin", text);
+  if ((question.dx || question.dy || question.dz) && !question.spin_degrees) fail("dx, dy and dz need spin", text);
   return question;
 }
 

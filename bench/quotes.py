@@ -23,7 +23,7 @@ ROOT = BENCH.parent
 
 PAGE = """# Collision queries, pair by pair
 
-This page is written by `script/bench collision --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
+This page is written by `script/bench pairs --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
 standoff and a peer run in one process and take turns at every query. A time is the median of up to five rounds over all
 poses, in processor time of one thread. A ratio is the peer's time divided by standoff's; below 1, standoff is slower.
 [bench/README.md](../bench/README.md) says more.

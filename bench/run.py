@@ -7,7 +7,7 @@
   run.py scaling         time against triangles and samples, with plots
   run.py thesis          the tables of the 2008 thesis, rebuilt
   run.py skip            skip rules before the thesis's Algorithm 1, with the one that it wished for
-  run.py collision       batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
+  run.py pairs           batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
   run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
   run.py sign            what a sign adds; with --peers beside OpenVDB's level sets and libigl (STANDOFF_PEER_PYTHON)
   run.py points          distances of points; with --peers beside Embree, and FCPW, libigl and Open3D (STANDOFF_PEER_PYTHON)
@@ -51,7 +51,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "collision", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "pairs", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -94,7 +94,7 @@ def main():
         return fly.run(workloads, arguments.build, arguments.note)
     if arguments.what == "view":  # needs a browser
         return importlib.import_module("view").run(arguments.build, arguments.only, arguments.rounds, arguments.note)
-    if arguments.what in ("collision", "terrains"):
+    if arguments.what in ("pairs", "terrains"):
         if arguments.what == "terrains" and not arguments.peers:
             parser.error("terrains needs --peers")
         if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):

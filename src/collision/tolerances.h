@@ -70,7 +70,7 @@ inline constexpr double kSureDirection = 1e-3;
 /// A time after the end of every motion, which is 1.
 inline constexpr double kNever = 2;
 
-// The constants below decide time only. They were measured on the pairs of script/bench collision.
+// The constants below decide time only. They were measured on the pairs of script/bench pairs.
 
 /// A bounding sphere is advanced while its steps are longer than this share of its radius: shorter steps cost more than
 /// advancing its sixteen children.

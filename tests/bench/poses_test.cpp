@@ -6,8 +6,11 @@
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
+#include <string>
+#include <tuple>
 
 #include "bench/collision_workload.h"
+#include "bench/conforming.h"
 #include "scenes/scenes.h"
 
 namespace {
@@ -55,6 +58,29 @@ TEST_F(Poses, TurnedInPlace) {
   }
 }
 
+TEST_F(Poses, SpunInPlace) {
+  bool moved = false;
+  for (const Pose& pose : of("collide@spin=30,dx=0.5,poses=20")) {
+    EXPECT_EQ(pose.rotation[4], 1);  // about y
+    EXPECT_GE(pose.rotation[0], std::cos(30 * 3.14159265358979 / 180) - 1e-12);
+    EXPECT_LE(std::abs(pose.translation.x), 0.5);
+    EXPECT_EQ(pose.translation.y, 0);
+    moved |= pose.translation.x != 0;
+  }
+  EXPECT_TRUE(moved);
+  EXPECT_THROW(parse_question("collide@gap=1,dx=0.5"), std::invalid_argument);
+}
+
+TEST_F(Poses, TurnDuringASweep) {
+  const Question question = parse_question("sweep@gap=1,poses=3,way=0,rotate=90");
+  for (const RigidMotion& motion : make_motions(settings_, question, drawn_.of(question))) {
+    EXPECT_EQ(motion.start.translation, motion.end.translation);
+    const Vec3 axis = rotate(motion.start, {0, 1, 0}), end = rotate(motion.end, {0, 1, 0});
+    EXPECT_LE(length(axis - end), 1e-12);
+    EXPECT_NEAR(dot(rotate(motion.start, {1, 0, 0}), rotate(motion.end, {1, 0, 0})), 0, 1e-12);
+  }
+}
+
 TEST_F(Poses, AreTheSameForEveryQuestion) {
   const auto many = of("collide@gap=0.1,poses=9"), few = of("sweep@gap=0.1,poses=4,way=2");
   ASSERT_EQ(few.size(), 4u);
@@ -69,6 +95,27 @@ TEST_F(Poses, AreTheSameForEveryQuestion) {
 }
 
 TEST_F(Poses, ThatDoNotExist) { EXPECT_THROW(of("collide@depth=1000,poses=1"), std::runtime_error); }
+
+// What they are called by is the distance at which they lie side by side.
+TEST(Bodies, Conform) {
+  const auto apart = [](const std::string& a, const std::string& b, Vec3 moved) {
+    Pose pose;
+    pose.translation = moved;
+    return distance(Body(make_body({a, 6000})), {}, Body(make_body({b, 6000})), pose).upper;
+  };
+  EXPECT_NEAR(apart("sleeve:0.01", "shaft", {}), 0.01, 1e-12);
+  EXPECT_NEAR(apart("plate", "plate", {0, 0.101, 0}), 0.001, 1e-12);
+  EXPECT_NEAR(apart("fan:-1", "fan", {0, 0.25, 0}), 0.25, 1e-12);
+  EXPECT_NEAR(apart("stack", "stack", {0, 0.25, 0}), 0.25, 0.01);
+  for (const auto& [a, b, most] :
+       {std::tuple{"shell:1", "shell:0.97", 0.02}, {"nut:0.05", "bolt", 0.05}, {"chain:0", "chain:1", 0.05}}) {
+    const double found = apart(a, b, {});
+    EXPECT_GT(found, most / 4) << a;
+    EXPECT_LE(found, most + 1e-12) << a;
+  }
+  for (const std::string name : {"gear", "knot"}) EXPECT_TRUE(Body(make_body({name, 2000})).has_inside()) << name;
+  EXPECT_THROW(make_conforming("spoon", 0), std::invalid_argument);
+}
 
 TEST(Bodies, OfFilesAreSplitAndScaled) {
   const std::string file = testing::TempDir() + "/poses_test.obj";
