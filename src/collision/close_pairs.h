@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "collision/query_pair.h"
@@ -14,8 +16,12 @@ namespace standoff::collision {
 
 class ClosePairs {
  public:
-  /// Excludes pairs that are farther apart than `limit`, if their boxes or planes show it.
-  ClosePairs(const QueryPair& pair, float limit) : pair_(pair), kernels_(pair.kernels), limit_(limit) {}
+  /// Excludes pairs that are farther apart than `limit`, if their boxes or planes show it. visit() returns false if
+  /// more than `most_leaves` leaves have been compared with packets.
+  ClosePairs(const QueryPair& pair, float limit, std::int64_t most_leaves = std::numeric_limits<std::int64_t>::max())
+      : pair_(pair), kernels_(pair.kernels), limit_(limit), leaves_left_(most_leaves) {}
+
+  bool is_exhausted() const { return leaves_left_ < 0; }
 
   static constexpr std::uint32_t kAllLanes = (1u << kLanes) - 1;
 
@@ -24,11 +30,7 @@ class ClosePairs {
   template <class Use>
   bool visit(std::uint32_t packet, std::uint32_t lanes, Use use) {
     if (front_level_ < 0) find_front();
-    kernels_.transform_triangles(pair_.transform, pair_.probe.body->bvh.triangles[packet], limit_, transformed_, boxes_,
-                                 all_);
-    const auto count = static_cast<std::uint32_t>(pair_.probe.body->bvh.order().size()) - packet * kLanes;
-    packet_ = packet;
-    lanes_ = count < kLanes ? lanes & ((1u << count) - 1) : lanes;
+    place(packet, lanes);
     for (int first = 0; first < front_count_; first += kLanes) {
       const Boxes16& boxes = front_boxes_[first / kLanes];
       const std::uint32_t reached = kernels_.overlapping(boxes, all_);
@@ -42,7 +44,26 @@ class ClosePairs {
     return true;
   }
 
+  /// The same for the triangles of a target's leaf and those of a probe's packet, however many there are. Calls with
+  /// the same packet in a row place it once.
+  template <class Use>
+  bool visit_leaf(std::uint32_t leaf, std::uint32_t packet, Use use) {
+    if (packet != packet_) place(packet, kAllLanes);
+    return test_leaf(leaf, lanes_, use);
+  }
+
  private:
+  static constexpr std::uint32_t kNone = ~0u;
+
+  // Transforms the triangles of a probe's packet into the target's frame.
+  void place(std::uint32_t packet, std::uint32_t lanes) {
+    kernels_.transform_triangles(pair_.transform, pair_.probe.body->bvh.triangles[packet], limit_, transformed_, boxes_,
+                                 all_);
+    const auto count = static_cast<std::uint32_t>(pair_.probe.body->bvh.order().size()) - packet * kLanes;
+    packet_ = packet;
+    lanes_ = count < kLanes ? lanes & ((1u << count) - 1) : lanes;
+  }
+
   // The most nodes of the front: a few registers of boxes.
   static constexpr int kFront = 4 * kLanes;
 
@@ -99,7 +120,7 @@ class ClosePairs {
     if (level > 0) return descend(level, node, use);
     // Exclude the packet's triangles that do not reach the leaf's box.
     const std::uint32_t reaching = kernels_.overlapping(boxes_, box) & lanes_;
-    return reaching == 0 || test_leaf(node, reaching, use);
+    return reaching == 0 || (--leaves_left_ >= 0 && test_leaf(node, reaching, use));
   }
 
   template <class Use>
@@ -137,6 +158,7 @@ class ClosePairs {
   const QueryPair& pair_;
   const Kernels& kernels_;
   const float limit_;
+  std::int64_t leaves_left_;
   // The front: nodes of a level and their boxes. The level is -1 before the first visit.
   int front_level_ = -1, front_count_ = 0;
   std::uint32_t front_[kFront];
@@ -145,7 +167,7 @@ class ClosePairs {
   Triangle16 transformed_;
   Boxes16 boxes_;
   FloatBox all_;
-  std::uint32_t packet_ = 0, lanes_ = 0;
+  std::uint32_t packet_ = kNone, lanes_ = 0;
 };
 
 class PairBatch {

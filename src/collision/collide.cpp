@@ -76,13 +76,14 @@ class Certify {
   bool near_ = false, hit_ = false;
 };
 
-// Packets that are tested before oriented boxes are tried, and the most pairs of nodes that may be opened then. Fitted
-// on nested spheres, shells and plates, which take twenty times as long with spheres alone, and on pairs that are
-// decided at once; arbitrary within a factor of two.
-constexpr int kManyPackets = 16, kMostOpenings = 4096;
+// Leaves of the target that are compared with packets of the probe before pairs of nodes are. Fitted on nested spheres,
+// shells and stacks, which take ten times as long without pairs of nodes, and on pairs that are decided at once;
+// arbitrary within a factor of two.
+constexpr std::int64_t kManyLeaves = 384;
 
 // Tests the probe's bounding spheres in the target's field, the nearest first, and triangles where the field cannot
-// decide.
+// decide. If many are tested and none intersects, the bodies may be nested or lie on each other: spheres are too round
+// to show that they do not touch. Then pairs of oriented boxes find the triangles to be tested.
 class IntersectionSearch {
  public:
   IntersectionSearch(const QueryPair& pair, double margin)
@@ -90,37 +91,50 @@ class IntersectionSearch {
         kernels_(pair.kernels),
         margin_(margin),
         limit_(pair.limit(margin)),
-        close_(pair, limit_),
+        close_(pair, limit_, kManyLeaves),
         batch_(pair) {}
 
   std::optional<IntersectingPair> run() {
-    if (pair_.apart(margin_) || !visit(pair_.probe.body->bvh.top(), 0)) return {};
+    if (pair_.apart(margin_)) return {};
+    Found found = visit(pair_.probe.body->bvh.top(), 0);
+    if (found == Found::undecided) found = visit_pairs();
+    if (found == Found::none) return {};
     return found_;
   }
 
  private:
-  bool visit(int level, std::uint32_t packet) {
+  enum class Found { none, pair, undecided };
+
+  // Adds a close pair to the batch; false if one of the batch intersects.
+  auto adding() {
+    return [this](std::uint32_t target_index, std::uint32_t probe_index) {
+      batch_.add(target_index, probe_index);
+      return !batch_.full() || settle();
+    };
+  }
+
+  Found visit(int level, std::uint32_t packet) {
     if (level == 0) {
-      // If many packets reach the surface and none intersects it, the bodies may be nested or lie on each other:
-      // spheres are too round to show that they do not touch.
-      if (++packets_ == kManyPackets) apart_ = NodePairs(pair_).show_apart(margin_, kMostOpenings);
-      if (apart_) return false;
       // The packet reaches the surface: boxes of its triangles exclude more than the field would.
-      const bool none =
-          close_.visit(packet, ClosePairs::kAllLanes, [this](std::uint32_t target_index, std::uint32_t probe_index) {
-            batch_.add(target_index, probe_index);
-            return !batch_.full() || settle();
-          });
-      return !(none && settle());
+      const bool none = close_.visit(packet, ClosePairs::kAllLanes, adding());
+      if (close_.is_exhausted()) return settle() ? Found::undecided : Found::pair;
+      return none && settle() ? Found::none : Found::pair;
     }
     alignas(64) float gap[kLanes];
     const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
     kernels_.gaps(pair_.target.body->view, pair_.transform, spheres, limit_, gap);
     int lanes[kLanes];
     const int count = lanes_within(gap, limit_, lanes);
-    for (int n = 0; n < count && !apart_; ++n)
-      if (visit(level - 1, packet * kLanes + lanes[n])) return true;
-    return false;
+    for (int n = 0; n < count; ++n)
+      if (const Found found = visit(level - 1, packet * kLanes + lanes[n]); found != Found::none) return found;
+    return Found::none;
+  }
+
+  Found visit_pairs() {
+    const auto test = [this](std::uint32_t leaf, std::uint32_t packet) {
+      return close_.visit_leaf(leaf, packet, adding());
+    };
+    return NodePairs(pair_).visit_leaves(margin_, test) && settle() ? Found::none : Found::pair;
   }
 
   // Decides the pairs of the batch; false if one of them intersects.
@@ -143,8 +157,6 @@ class IntersectionSearch {
   ClosePairs close_;
   PairBatch batch_;
   IntersectingPair found_{};
-  int packets_ = 0;
-  bool apart_ = false;
 };
 
 }  // namespace

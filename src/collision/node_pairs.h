@@ -97,19 +97,27 @@ class NodePairs {
     return count;
   }
 
-  /// Whether the nodes' boxes show, in at most `most` openings, that the bodies are farther apart than `margin`.
-  bool show_apart(double margin, int most) const {
+  /// Calls use(target's leaf, probe's leaf) for each pair of leaves whose boxes may be within `margin`, the nearer
+  /// nodes first, until it returns false. Returns false if it did.
+  template <class Use>
+  bool visit_leaves(double margin, Use use) const {
     const double radii = pair_.target.body->radius + pair_.probe.body->radius;
     const auto reach = static_cast<float>(margin * (1 + kFarShare) + kNodePairSlack * radii + pair_.pose_slack);
     const float most_sq = reach * reach * (kRoundUp * kRoundUp);
     const KeptByThread<std::vector<NodePair>> waiting;
     waiting->assign(1, root());
     std::array<NodePair, kLanes> children;
-    for (; !waiting->empty(); --most) {
+    while (!waiting->empty()) {
       const NodePair next = waiting->back();
-      if (most == 0 || next.is_leaf()) return false;
       waiting->pop_back();
-      waiting->insert(waiting->end(), children.begin(), children.begin() + open(next, most_sq, children));
+      if (next.is_leaf()) {
+        if (!use(next.target, next.probe)) return false;
+        continue;
+      }
+      const auto end = children.begin() + open(next, most_sq, children);
+      std::sort(children.begin(), end,
+                [](const NodePair& x, const NodePair& y) { return x.distance_sq > y.distance_sq; });
+      waiting->insert(waiting->end(), children.begin(), end);
     }
     return true;
   }

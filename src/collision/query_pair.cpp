@@ -69,6 +69,28 @@ double QueryPair::root_gap() const {
   return length(out) - probe.body->radius;
 }
 
+bool QueryPair::boxes_apart(double by) const {
+  const auto root_of = [](const PlacedBody& placed) { return placed.body->bvh.box_of(placed.body->bvh.top(), 0); };
+  const auto vec = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
+  const Obb resting = root_of(target), moved = root_of(probe);
+  const Vec3 offset = apply(relative, vec(moved.center)) - vec(resting.center);
+  const Vec3 axis[3] = {vec(resting.axis[0]), vec(resting.axis[1]), vec(resting.axis[2])};
+  double cosine[3][3];  // of the angles between the axes, their magnitudes
+  double gap = 0;       // the largest, before rounding
+  for (int j = 0; j < 3; ++j) {
+    const Vec3 along = rotate(relative, vec(moved.axis[j]));
+    double reach = moved.half[j];
+    for (int k = 0; k < 3; ++k) reach += resting.half[k] * (cosine[k][j] = std::abs(dot(along, axis[k])));
+    gap = std::max(gap, std::abs(dot(along, offset)) - reach);
+  }
+  for (int k = 0; k < 3; ++k) {
+    double reach = resting.half[k];
+    for (int j = 0; j < 3; ++j) reach += moved.half[j] * cosine[k][j];
+    gap = std::max(gap, std::abs(dot(axis[k], offset)) - reach);
+  }
+  return gap * kRoundDown > by;
+}
+
 FloatBox QueryPair::region(float by) const {
   const Vec3 half = probe.body->box.extent() * 0.5, offset = probe.body->box.center() - probe.body->middle;
   const Vec3 center = apply(relative, offset);

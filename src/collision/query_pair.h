@@ -81,8 +81,10 @@ struct QueryPair {
   double root_gap() const;
   /// If spheres or boxes are farther apart than this in single precision, they are farther apart than the margin.
   float limit(double margin) const { return static_cast<float>(margin) * kRoundUp + slack; }
-  /// Whether root_gap() shows that the bodies are farther apart than the margin.
-  bool apart(double margin) const { return root_gap() > margin + slack; }
+  /// Whether root_gap() or the bodies' boxes show that they are farther apart than the margin.
+  bool apart(double margin) const { return root_gap() > margin + slack || boxes_apart(margin + slack); }
+  /// Whether a face of one of the bodies' oriented boxes separates them by more than `by`.
+  bool boxes_apart(double by) const;
   /// The probe's box in the target's frame, grown by `by`.
   FloatBox region(float by) const;
 };

@@ -2,8 +2,12 @@
 // Yes or no against every pair of triangles.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "standoff/collision.h"
 #include "tests/collision/bodies.h"
+#include "tests/collision/independent.h"
 
 namespace standoff {
 namespace {
@@ -43,6 +47,46 @@ TEST(Collide, AgreesWithEveryPairWithinAMargin) {
 
 TEST(Collide, DegenerateTrianglesCount) {
   expect_as_brute_force(nasty_soup(1, 60, 3), nasty_soup(2, 30, 3), 300, 4, 0, 4);
+}
+
+// Where surfaces run side by side, spheres and fields do not end the search: pairs of oriented boxes do.
+TEST(Collide, OfSurfacesThatConform) {
+  const Mesh outer = ball_mesh(1, 30), inner = ball_mesh(0.97, 30);
+  const Body a(outer), b(inner);
+  IndependentBody resting(outer), moving(inner);
+  Random random(6);
+  int hits = 0;
+  for (int n = 0; n < 60; ++n) {
+    // The gap is up to 0.0011 less than that of perfect spheres, as edges cut corners.
+    Pose pose = random_pose(random, 0);
+    const Vec3 away = random.in_cube(1);
+    pose.translation = away * (random.between(0.0285, 0.0305) / length(away));
+    moving.place(pose);
+    const bool expected = moving.touches(resting);
+    ASSERT_EQ(collide(a, {}, b, pose).hit(), expected) << "pose " << n;
+    ASSERT_EQ(collide(b, pose, a, {}).hit(), expected) << "pose " << n;
+    hits += expected;
+    const double apart = distance(a, {}, b, pose).upper;
+    if (expected) continue;
+    EXPECT_FALSE(collide(a, {}, b, pose, {.margin = apart * (1 - 1e-9)}).hit());
+    EXPECT_TRUE(collide(a, {}, b, pose, {.margin = apart * (1 + 1e-9)}).hit());
+  }
+  EXPECT_GT(hits, 10);
+  EXPECT_LT(hits, 50);
+}
+
+// Slender boxes of a tilted stack: the faces of their own boxes separate them, those along the axes do not.
+TEST(Collide, OfBodiesWhoseOrientedBoxesAreApart) {
+  const Mesh stack{{{0, 0, 0}, {1, 0, 0}, {0.3, 0.2, 1}}, std::vector<Triangle>(3000, Triangle{0, 1, 2})};
+  const Body body(stack);
+  const double height = 1 / std::sqrt(1.04);  // of a unit step along y
+  for (const double step : {1e-3, 0.01, 0.1}) {
+    Pose pose;
+    pose.translation.y = step;
+    EXPECT_FALSE(collide(body, {}, body, pose).hit());
+    EXPECT_FALSE(collide(body, {}, body, pose, {.margin = step * height * (1 - 1e-9)}).hit());
+    EXPECT_TRUE(collide(body, {}, body, pose, {.margin = step * height * (1 + 1e-9)}).hit());
+  }
 }
 
 }  // namespace
