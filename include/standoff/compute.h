@@ -162,7 +162,8 @@ struct MemoryEstimate {
   std::int64_t stored_samples = 0;
 };
 
-/// Counts only tiles that the grown box of some triangle intersects. Takes a pass or two over the triangles.
+/// Counts only tiles that some triangle may reach: those in its grown box, of large boxes only near its plane. Takes a
+/// pass or two over the triangles.
 /// `slab_samples`: as for SlabComputation. Errors: usage (grid, thickness, options, slab_samples), input (mesh), limit
 /// (mesh), device.
 STANDOFF_API MemoryEstimate estimate(MeshView mesh, const Grid& grid, double thickness,

@@ -17,6 +17,6 @@ Counts run_fuhrmann(const Job& job, Sink& sink);
 Counts run_propagate(const Job& job, Sink& sink);
 Counts run_jumpflood(const Job& job, Sink& sink);
 Counts run_jumpflood_1(const Job& job, Sink& sink);
-std::int64_t spread_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+std::int64_t spread_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads);
 
 }  // namespace standoff::cpu

@@ -158,11 +158,11 @@ Counts run_propagate(const Job& job, Sink& sink) {
 Counts run_jumpflood(const Job& job, Sink& sink) { return run_jumps(job, sink, 0); }
 Counts run_jumpflood_1(const Job& job, Sink& sink) { return run_jumps(job, sink, 1); }
 
-std::int64_t spread_scratch_bytes(std::int64_t triangles, const Grid& grid, double, int threads) {
+std::int64_t spread_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double, int threads) {
   const double tiles = static_cast<double>(tile_count(grid.size));
   const double bytes = 2.0 * sizeof(Found) * static_cast<double>(grid.sample_count()) + field_bytes(tiles, tiles, true);
   return static_cast<std::int64_t>(std::min(bytes, 0x1p60)) +
-         thesis_scratch_bytes(triangles, grid, seed_thickness(grid), threads);
+         thesis_scratch_bytes({mesh.triangles}, grid, seed_thickness(grid), threads);
 }
 
 }  // namespace standoff::cpu

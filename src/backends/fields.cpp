@@ -29,8 +29,8 @@ constexpr BackendRow on_cuda() {
           cuda::available,
           [](Simd, int device) { return cuda::device_name(device); },
           [](const Job& job, Sink& sink) { return cuda::run(kMethod, job, sink); },
-          [](std::int64_t triangles, const Grid& grid, double thickness, int) {
-            return cuda::scratch_bytes(kMethod, triangles, grid, thickness);
+          [](const MeshLoad& mesh, const Grid& grid, double thickness, int) {
+            return cuda::scratch_bytes(kMethod, mesh.triangles, grid, thickness);
           },
           nullptr,
           kMethod == Method::tiles};
@@ -44,8 +44,8 @@ constexpr BackendRow on_emulated() {
           kAlways,
           [](Simd, int) { return std::string("emulated on the CPU"); },
           [](const Job& job, Sink& sink) { return emulated::run(kMethod, job, sink); },
-          [](std::int64_t triangles, const Grid& grid, double thickness, int) {
-            return emulated::scratch_bytes(kMethod, triangles, grid, thickness);
+          [](const MeshLoad& mesh, const Grid& grid, double thickness, int) {
+            return emulated::scratch_bytes(kMethod, mesh.triangles, grid, thickness);
           },
           nullptr,
           kMethod == Method::tiles};
@@ -54,7 +54,7 @@ constexpr BackendRow on_emulated() {
 
 // The row of an algorithm for comparison on the CPU, which is compiled for any processor.
 constexpr BackendRow plain_on_cpu(Method method, Counts (*run)(const Job&, Sink&),
-                                  std::int64_t (*scratch_bytes)(std::int64_t, const Grid&, double, int)) {
+                                  std::int64_t (*scratch_bytes)(const MeshLoad&, const Grid&, double, int)) {
   return {Backend::cpu, method, kAlways, [](Simd, int) { return std::string("portable"); }, run, scratch_bytes};
 }
 

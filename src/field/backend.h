@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -115,6 +116,14 @@ class WindowGather {
   virtual std::optional<bool> is_reached(const Grid&) const { return std::nullopt; }
 };
 
+/// How much a mesh is for the scratch memory of a method.
+struct MeshLoad {
+  std::int64_t triangles;
+  /// An upper bound of the number of pairs of a triangle and a brick of the grid that its box grown by the thickness
+  /// reaches.
+  double brick_refs = std::numeric_limits<double>::infinity();
+};
+
 /// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
 struct BackendRow {
   Backend backend;
@@ -123,7 +132,7 @@ struct BackendRow {
   std::string (*device)(Simd requested, int device);  ///< the value of ComputeReport::device
   Counts (*run)(const Job&, Sink&);
   /// Bytes of scratch memory in the worst case, without the output.
-  std::int64_t (*scratch_bytes)(std::int64_t triangles, const Grid&, double thickness, int threads);
+  std::int64_t (*scratch_bytes)(const MeshLoad&, const Grid&, double thickness, int threads);
   /// The same job by windows, where that is better than a job for the triangles that reach a window; nullptr, also as
   /// what it returns, where it is not. The job must outlive the result.
   std::unique_ptr<WindowGather> (*in_windows)(const Job&) = nullptr;

@@ -117,14 +117,14 @@ void take_whole(Plan& plan) {
 namespace {
 
 // Bytes that the backend holds beside the output.
-std::int64_t scratch_bytes(const Plan& plan) {
+std::int64_t scratch_bytes(const Plan& plan, double brick_refs = std::numeric_limits<double>::infinity()) {
   // Several devices work on parts of the grid. A method with windows of its own may prepare the whole grid for them.
   const auto devices = static_cast<std::int64_t>(plan.devices.size());
   const bool whole = plan.row->prepares_whole && plan.row->prepares_whole(plan.triangles, plan.grid, plan.thickness);
   Grid part = plan.grid;
   if (!whole) part.size = plan.part;
   if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
-  return devices * plan.row->scratch_bytes(plan.triangles, part, plan.thickness, plan.threads);
+  return devices * plan.row->scratch_bytes({plan.triangles, brick_refs}, part, plan.thickness, plan.threads);
 }
 
 // Bytes that deciding the sign takes beside the output and the crossings.
@@ -172,7 +172,7 @@ class Advice {
                        std::min(grid.size.z, plan_.part.z)};
     const Plan plan =
         make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.in_windows ? window : Size3{});
-    return bytes_needed(plan, scan_mesh(mesh_, plan, true).tiles, diagnosed_) <= memory_limit_of(options_);
+    return bytes_needed(plan, scan_mesh(mesh_, plan, true).counts, diagnosed_) <= memory_limit_of(options_);
   }
 
   // Tries a band one sample wide.
@@ -211,14 +211,14 @@ class Advice {
 
 }  // namespace
 
-std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, bool diagnosed) {
   const double samples = static_cast<double>(plan.grid.sample_count());
-  tiles = std::min(tiles, tiles_at_once(plan));
+  const double tiles = std::min(counts.tiles, tiles_at_once(plan));
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
   // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
   // its memory; in windows, the backend keeps it while signs are decided.
-  const std::int64_t of_backend = scratch_bytes(plan),
+  const std::int64_t of_backend = scratch_bytes(plan, counts.brick_refs),
                      of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
   const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
                                                              : std::max(of_backend, of_sign));
@@ -232,11 +232,10 @@ std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed) {
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
-std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, tiles_at_once(plan), plan.with_sign); }
+std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, ReachCounts{}, plan.with_sign); }
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  const double tiles = scan_mesh(mesh, plan, !plan.is_dense).tiles;
-  return bytes_needed(plan, tiles, is_diagnosed(mesh, options));
+  return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, is_diagnosed(mesh, options));
 }
 
 std::int64_t crossing_bytes(const Plan& plan) {
@@ -244,9 +243,9 @@ std::int64_t crossing_bytes(const Plan& plan) {
                   plan.in_windows ? kCrossingBytesInWindows : scratch_bytes(plan) - sign_bytes(plan));
 }
 
-void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options) {
+void check_memory(MeshView mesh, const Plan& plan, const ReachCounts& counts, const ComputeOptions& options) {
   const bool diagnosed = is_diagnosed(mesh, options);
-  const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, tiles, diagnosed);
+  const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, counts, diagnosed);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
               "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
@@ -265,10 +264,10 @@ MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const G
     return make_plan(triangles, grid, thickness, options, dense, window);
   };
   const Plan whole = plan_of(false, {});
-  const double tiles =
-      mesh ? std::min(scan_mesh(*mesh, whole, true).tiles, tiles_at_once(whole)) : tiles_at_once(whole);
+  const ReachCounts counts = mesh ? scan_mesh(*mesh, whole, true).counts : ReachCounts{};
+  const double tiles = std::min(counts.tiles, tiles_at_once(whole));
   const bool diagnosed = mesh ? is_diagnosed(*mesh, options) : whole.with_sign;
-  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, tiles, diagnosed); };
+  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, counts, diagnosed); };
   return {.whole = bytes(whole),
           .dense = bytes(plan_of(true, {})),
           .slabs = bytes(plan_of(false, slab_size(grid, slab_samples))),

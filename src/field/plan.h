@@ -2,6 +2,7 @@
 // The plan of a computation: backend, method and parts, and the memory that it may need, decided before any distance.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/tile_count.h"
@@ -44,9 +45,15 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
 /// Plans the whole grid at once.
 void take_whole(Plan& plan);
 
-/// Bytes of output and scratch memory that a computation may need, at most 2^62. `tiles`: how many hold band samples;
-/// dense output does not depend on it. `diagnosed`: whether the mesh is diagnosed before, for its sign.
-std::int64_t bytes_needed(const Plan& plan, double tiles, bool diagnosed);
+/// Upper bounds of what a mesh reaches; infinite where it was not counted.
+struct ReachCounts {
+  double tiles = std::numeric_limits<double>::infinity();       ///< with samples within the thickness of a triangle
+  double brick_refs = std::numeric_limits<double>::infinity();  ///< as in MeshLoad
+};
+
+/// Bytes of output and scratch memory that a computation may need, at most 2^62. Dense output does not depend on tiles.
+/// `diagnosed`: whether the mesh is diagnosed before, for its sign.
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, bool diagnosed);
 /// The same for any triangles: all tiles of the grid may hold band samples.
 std::int64_t bytes_needed(const Plan& plan);
 /// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).
@@ -62,8 +69,8 @@ std::int64_t crossing_bytes(const Plan& plan);
 /// The limit that the options set, bytes; 0 where there is none.
 std::int64_t memory_limit_of(const ComputeOptions& options);
 
-/// Throws Error{limit} where the computation may need more than the options' limit, with what would fit. `tiles`: those
-/// that the mesh's triangles reach (prepare.h). Requires a valid mesh.
-void check_memory(MeshView mesh, const Plan& plan, double tiles, const ComputeOptions& options);
+/// Throws Error{limit} where the computation may need more than the options' limit, with what would fit. `counts`:
+/// those of the mesh (prepare.h). Requires a valid mesh.
+void check_memory(MeshView mesh, const Plan& plan, const ReachCounts& counts, const ComputeOptions& options);
 
 }  // namespace standoff

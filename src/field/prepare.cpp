@@ -9,11 +9,14 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "core/tile_count.h"
+#include "field/lattice.h"
 #include "field/plan.h"
+#include "field/reached_tiles.h"
 #include "field/skip.h"
 #include "geometry/triangle_box.h"
 #include "standoff/error.h"
@@ -80,19 +83,10 @@ bool vertices_near(MeshView mesh, const FloatRange& range) {
 // Whether a list of some triangles and the work on them fit into the memory planned for the work on all.
 bool fits_with(std::size_t triangles, const Plan& plan) {
   const auto scratch = [&](std::int64_t count) {
-    return plan.row->scratch_bytes(count, plan.grid, plan.thickness, plan.threads);
+    return plan.row->scratch_bytes({count}, plan.grid, plan.thickness, plan.threads);
   };
   const auto count = static_cast<std::int64_t>(triangles);
   return static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
-}
-
-double tiles_of_range(const SampleRange& range) {
-  if (range.empty()) return 0;
-  constexpr std::int64_t side = DistanceField::kTileSide;
-  const auto along = [](std::int64_t begin, std::int64_t end) {
-    return static_cast<double>((end - 1) / side - begin / side + 1);
-  };
-  return along(range.begin.x, range.end.x) * along(range.begin.y, range.end.y) * along(range.begin.z, range.end.z);
 }
 
 }  // namespace
@@ -104,16 +98,17 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
   const bool is_near = counts_fit && has_float_spacing(plan.grid) && vertices_near(mesh, FloatRange(plan.grid));
   if (!is_near) validate(mesh);
 
-  const auto all = static_cast<double>(tile_count(plan.grid.size));
   const bool counts_boxes = counts_tiles && !std::isinf(plan.thickness);
   // A signed field also stores tiles with samples of both signs. The surface passes between two neighbouring samples,
   // and one of them is within half of their distance of it.
   const double least = plan.with_sign ? plan.grid.max_spacing() / 2 : 0;
   const double reach = reach_beyond_rounding(plan.grid, std::max(plan.thickness, least));
+  std::optional<ReachedTiles> tiles;
+  if (counts_boxes) tiles.emplace(plan.grid, reach);
   // Sums of whole numbers are exact up to 2^53, in any order; a computation beyond that does not fit anyway.
   struct Sum {
     bool in_range;
-    double tiles;
+    double brick_refs;
   };
   const auto look = [&](const Positions& positions, Sum sum) {
     bool in_range = true;
@@ -121,14 +116,22 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
       for (const auto v : mesh.triangles[t]) in_range &= v < mesh.vertices.size();
     sum.in_range &= in_range;
     if (!counts_boxes || !in_range) return sum;
-    for (std::size_t t = positions.begin(); t < positions.end(); ++t)
-      sum.tiles += tiles_of_range(samples_in(triangle_box(mesh, t).grown(reach), plan.grid));
+    for (std::size_t t = positions.begin(); t < positions.end(); ++t) {
+      const SampleRange samples = samples_in(triangle_box(mesh, t).grown(reach), plan.grid);
+      if (samples.empty()) continue;
+      sum.brick_refs += BlockRange(samples, kBrickSide).count();
+      tiles->mark(mesh.corners(t), samples);
+    }
     return sum;
   };
-  const auto both = [](const Sum& a, const Sum& b) { return Sum{a.in_range && b.in_range, a.tiles + b.tiles}; };
+  const auto both = [](const Sum& a, const Sum& b) {
+    return Sum{a.in_range && b.in_range, a.brick_refs + b.brick_refs};
+  };
   const Sum found = tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kPrepareGrain), Sum{true, 0}, look, both);
   if (!found.in_range) validate(mesh);
-  return {is_near, counts_boxes ? std::min(all, found.tiles) : counts_tiles ? all : 0};
+  MeshScan scan{.is_near = is_near};
+  if (counts_boxes) scan.counts = {tiles->count(), found.brick_refs};
+  return scan;
 }
 
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
@@ -136,7 +139,7 @@ void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) 
   const std::int64_t limit = memory_limit_of(options);
   const bool may_be_over = limit != 0 && bytes_needed(plan) > limit;
   const MeshScan scan = scan_mesh(mesh, plan, may_be_over && !plan.is_dense);
-  if (may_be_over) check_memory(mesh, plan, scan.tiles, options);
+  if (may_be_over) check_memory(mesh, plan, scan.counts, options);
   if (!scan.is_near) check_domain(mesh, plan.grid);
 }
 

@@ -55,8 +55,7 @@ void check_domain(const Box& mesh, const Grid& grid);
 struct MeshScan {
   /// Whether FloatRange holds all vertices. If not, the vertices that triangles use may still be near enough.
   bool is_near;
-  /// An upper bound of the number of tiles with samples in a triangle's box grown by the thickness; 0 if not counted.
-  double tiles;
+  ReachCounts counts = {};
 };
 
 /// Reads the vertices once and the triangles once, in the order of memory. Uses the caller's arena. Throws the errors

@@ -243,8 +243,8 @@ Counts run_thesis(const Job& job, Sink& sink) {
   return run_in_boxes(job, sink, visited_samples);
 }
 
-std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
-  return bins_scratch_bytes(triangles, make_block_lattice(grid, thickness), most_refs(triangles), threads) +
+std::int64_t thesis_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
+  return bins_scratch_bytes(mesh, make_block_lattice(grid, thickness), most_refs(mesh.triangles), threads) +
          2 * static_cast<std::int64_t>(sizeof(BrickSamples)) * threads;
 }
 

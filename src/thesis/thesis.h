@@ -21,7 +21,7 @@ Counts run_thesis(const Job& job, Sink& sink);
 /// box grown by the thickness. Counts a unit of progress for each brick; the caller begins the stage.
 using VisitedSamples = SampleRange(const Triple<double> (&corner)[3], const Grid& grid, double thickness);
 Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited);
-std::int64_t thesis_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+std::int64_t thesis_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads);
 
 }  // namespace standoff::cpu
 

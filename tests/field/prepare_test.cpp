@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "scenes/scenes.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -38,13 +39,13 @@ TEST(Prepare, VerticesThatNothingUsesDoNotMatter) {
   const Mesh mesh = small_mesh();
   const MeshScan expected = look(mesh);
   EXPECT_TRUE(expected.is_near);
-  EXPECT_GT(expected.tiles, 0);
-  EXPECT_LT(expected.tiles, 50 * 50 * 50);
+  EXPECT_GT(expected.counts.tiles, 0);
+  EXPECT_LT(expected.counts.tiles, 50 * 50 * 50);
   for (const Vec3 unused : {Vec3{kNan, 0, 0}, Vec3{0, kNan, 0}, Vec3{0, 0, -kNan}, Vec3{1e300, 0, 0}}) {
     Mesh more = mesh;
     more.vertices.push_back(unused);
     EXPECT_FALSE(look(more).is_near);
-    EXPECT_EQ(look(more).tiles, expected.tiles);
+    EXPECT_EQ(look(more).counts.tiles, expected.counts.tiles);
     const ComputeOptions options = limited(std::int64_t{1} << 27);
     EXPECT_EQ(compute(more, kPrepareGrid, kThickness, options).report.samples_band,
               compute(mesh, kPrepareGrid, kThickness, options).report.samples_band);
@@ -81,6 +82,32 @@ TEST(Prepare, TheFirstFaultIsTold) {
   mesh.triangles.clear();
   for (const std::int64_t bytes : {0, 1000})
     EXPECT_NE(message(mesh, bytes).find("no triangles"), std::string::npos) << message(mesh, bytes);
+}
+
+// What is predicted is never less than what is stored, and not much more: on fine meshes, soups and triangles that
+// cross the whole grid.
+TEST(Prepare, TilesThatMayBeStored) {
+  const auto stored = [](const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign) {
+    ComputeOptions options = limited(0);
+    options.sign = sign;
+    const auto found = static_cast<double>(compute(mesh, grid, thickness, options).report.tiles_stored);
+    const auto most = static_cast<double>(estimate(mesh, grid, thickness, options).stored_samples / kTileSamples);
+    EXPECT_GE(most, found);
+    return most / found;
+  };
+  const Grid grid{{200, 200, 200}, {-1, -1, -1}, {0.01, 0.01, 0.01}};
+  const Mesh ball = scenes::make("sphere", 20'000);
+  for (const SignOptions& sign : {SignOptions{SignMethod::none}, SignOptions{SignMethod::winding}}) {
+    EXPECT_LT(stored(ball, grid, 0.02, sign), 1.5);
+    EXPECT_LT(stored(ball, grid, 0.1, sign), 1.3);
+  }
+  for (unsigned seed = 1; seed < 20; ++seed) {
+    stored(testing::random_soup(seed, 30, 1, 0.1), grid, 0.003, {SignMethod::none});
+    EXPECT_LT(stored(testing::random_soup(seed, 3, 1, 1.5), grid, 0.02, {SignMethod::none}), 8);
+  }
+  // Slivers have no plane.
+  const Mesh needle{{{-1, -1, -1}, {1, 1, 1}, {0, 0, 0}}, {{0, 1, 2}}};
+  stored(needle, grid, 0.02, {SignMethod::none});
 }
 
 }  // namespace

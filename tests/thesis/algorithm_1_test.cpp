@@ -218,8 +218,8 @@ TEST(Thesis, StopsWhenAsked) {
 
 TEST(Thesis, SaysHowMuchScratchItNeeds) {
   const Grid grid{{100, 100, 100}, {}, {1, 1, 1}};
-  const auto few = cpu::thesis_scratch_bytes(1000, grid, 2, 1),
-             many = cpu::thesis_scratch_bytes(100'000'000, grid, 2, 1);
+  const auto few = cpu::thesis_scratch_bytes({1000}, grid, 2, 1),
+             many = cpu::thesis_scratch_bytes({100'000'000}, grid, 2, 1);
   EXPECT_GT(few, 0);
   EXPECT_GT(many, few + 100'000'000 * 4);
 }

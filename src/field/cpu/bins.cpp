@@ -187,12 +187,12 @@ std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::i
   return batches.take_bins();
 }
 
-std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,
+std::int64_t bins_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, std::int64_t most_refs,
                                 int threads) {
-  const std::int64_t keys = triangles, bricks = lattice.brick_count();
-  const std::int64_t counters = bricks * (chunk_count(triangles, bricks, threads) + 1) + 1;
+  const std::int64_t keys = mesh.triangles, bricks = lattice.brick_count();
+  const std::int64_t counters = bricks * (chunk_count(mesh.triangles, bricks, threads) + 1) + 1;
   // No triangle is in more bricks than there are.
-  const double entries = static_cast<double>(triangles) * static_cast<double>(bricks);
+  const double entries = std::min(mesh.brick_refs, static_cast<double>(mesh.triangles) * static_cast<double>(bricks));
   const std::int64_t refs = entries < static_cast<double>(most_refs) ? static_cast<std::int64_t>(entries) : most_refs;
   return static_cast<std::int64_t>(sizeof(std::uint32_t)) * (keys + refs + counters);
 }

@@ -50,7 +50,6 @@ void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t mo
 std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs);
 
 /// Bytes that for_each_batch may hold if each brick has at most `most_refs` triangles.
-std::int64_t bins_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, std::int64_t most_refs,
-                                int threads);
+std::int64_t bins_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, std::int64_t most_refs, int threads);
 
 }  // namespace standoff::cpu

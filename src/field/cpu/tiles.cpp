@@ -137,8 +137,8 @@ class ThinBand final : public WindowGather {
 // value is a choice: a grid of 1024 samples per axis has as many.
 constexpr std::int64_t kMostBricksHeld = std::int64_t{1} << 18;
 
-std::int64_t thin_scratch_bytes(std::int64_t triangles, const BlockLattice& lattice, int threads) {
-  return bins_scratch_bytes(triangles, lattice, most_refs(triangles), threads) +
+std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, int threads) {
+  return bins_scratch_bytes(mesh, lattice, most_refs(mesh.triangles), threads) +
          static_cast<std::int64_t>(sizeof(BrickState)) * threads;
 }
 
@@ -277,10 +277,10 @@ std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
 
 std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
-std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads) {
+std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
   const BlockLattice lattice = make_block_lattice(grid, thickness);
-  return is_thin(grid, thickness) ? thin_scratch_bytes(triangles, lattice, threads)
-                                  : thick_scratch_bytes(triangles, lattice, threads);
+  return is_thin(grid, thickness) ? thin_scratch_bytes(mesh, lattice, threads)
+                                  : thick_scratch_bytes(mesh.triangles, lattice, threads);
 }
 
 }  // namespace standoff::cpu

@@ -16,6 +16,6 @@ std::unique_ptr<WindowGather> tiles_in_windows(const Job& job);
 /// BackendRow::prepares_whole.
 bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness);
 std::string tiles_device(Simd requested);
-std::int64_t tiles_scratch_bytes(std::int64_t triangles, const Grid& grid, double thickness, int threads);
+std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads);
 
 }  // namespace standoff::cpu
