@@ -219,7 +219,7 @@ std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, bool diag
   // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
   // its memory; in windows, the backend keeps it while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan, counts.brick_refs),
-                     of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan) : 0;
+                     of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan, counts.crossings) : 0;
   const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
                                                              : std::max(of_backend, of_sign));
   const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
@@ -238,9 +238,12 @@ std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions&
   return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, is_diagnosed(mesh, options));
 }
 
-std::int64_t crossing_bytes(const Plan& plan) {
-  return std::max(RowCrossings::least_bytes(plan.triangles, plan.threads),
-                  plan.in_windows ? kCrossingBytesInWindows : scratch_bytes(plan) - sign_bytes(plan));
+std::int64_t crossing_bytes(const Plan& plan, double crossings) {
+  const std::int64_t least = RowCrossings::least_bytes(plan.triangles, plan.threads),
+                     most = plan.in_windows ? kCrossingBytesInWindows : scratch_bytes(plan) - sign_bytes(plan);
+  // If there are more, they come in parts.
+  const auto all = static_cast<std::int64_t>(std::min(crossings, 0x1p50));
+  return std::max(least, std::min(most, RowCrossings::least_bytes(all, plan.threads)));
 }
 
 void check_memory(MeshView mesh, const Plan& plan, const ReachCounts& counts, const ComputeOptions& options) {

@@ -49,6 +49,7 @@ void take_whole(Plan& plan);
 struct ReachCounts {
   double tiles = std::numeric_limits<double>::infinity();       ///< with samples within the thickness of a triangle
   double brick_refs = std::numeric_limits<double>::infinity();  ///< as in MeshLoad
+  double crossings = std::numeric_limits<double>::infinity();   ///< of the grid's rows, for signs
 };
 
 /// Bytes of output and scratch memory that a computation may need, at most 2^62. Dense output does not depend on tiles.
@@ -63,8 +64,9 @@ std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions&
 /// tiles.
 inline bool may_share_rows(const Grid& grid) { return tiles_along(grid.size.y) <= 65536 / tiles_along(grid.size.z); }
 
-/// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough.
-std::int64_t crossing_bytes(const Plan& plan);
+/// What crossings may take while the sign is decided: of a whole grid what the backend took before, if that is enough,
+/// and no more than what so many crossings take.
+std::int64_t crossing_bytes(const Plan& plan, double crossings = std::numeric_limits<double>::infinity());
 
 /// The limit that the options set, bytes; 0 where there is none.
 std::int64_t memory_limit_of(const ComputeOptions& options);

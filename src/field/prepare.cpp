@@ -89,6 +89,14 @@ bool fits_with(std::size_t triangles, const Plan& plan) {
   return static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
 }
 
+// The rows of samples along x that a box reaches, which may lie beside the grid.
+double rows_through(Box box, const Grid& grid) {
+  box.min.x = -std::numeric_limits<double>::infinity(), box.max.x = std::numeric_limits<double>::infinity();
+  const SampleRange samples = samples_in(box, grid);
+  if (samples.empty()) return 0;
+  return static_cast<double>(samples.end.y - samples.begin.y) * static_cast<double>(samples.end.z - samples.begin.z);
+}
+
 }  // namespace
 
 MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
@@ -103,12 +111,13 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
   // and one of them is within half of their distance of it.
   const double least = plan.with_sign ? plan.grid.max_spacing() / 2 : 0;
   const double reach = reach_beyond_rounding(plan.grid, std::max(plan.thickness, least));
+  const double touching = reach_beyond_rounding(plan.grid, 0);
   std::optional<ReachedTiles> tiles;
   if (counts_boxes) tiles.emplace(plan.grid, reach);
   // Sums of whole numbers are exact up to 2^53, in any order; a computation beyond that does not fit anyway.
   struct Sum {
     bool in_range;
-    double brick_refs;
+    double brick_refs, crossings;
   };
   const auto look = [&](const Positions& positions, Sum sum) {
     bool in_range = true;
@@ -117,7 +126,9 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
     sum.in_range &= in_range;
     if (!counts_boxes || !in_range) return sum;
     for (std::size_t t = positions.begin(); t < positions.end(); ++t) {
-      const SampleRange samples = samples_in(triangle_box(mesh, t).grown(reach), plan.grid);
+      const auto box = triangle_box(mesh, t);
+      if (plan.with_sign) sum.crossings += rows_through(box.grown(touching), plan.grid);
+      const SampleRange samples = samples_in(box.grown(reach), plan.grid);
       if (samples.empty()) continue;
       sum.brick_refs += BlockRange(samples, kBrickSide).count();
       tiles->mark(mesh.corners(t), samples);
@@ -125,12 +136,13 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
     return sum;
   };
   const auto both = [](const Sum& a, const Sum& b) {
-    return Sum{a.in_range && b.in_range, a.brick_refs + b.brick_refs};
+    return Sum{a.in_range && b.in_range, a.brick_refs + b.brick_refs, a.crossings + b.crossings};
   };
-  const Sum found = tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kPrepareGrain), Sum{true, 0}, look, both);
+  const Sum found =
+      tbb::parallel_reduce(Positions(0, mesh.triangles.size(), kPrepareGrain), Sum{true, 0, 0}, look, both);
   if (!found.in_range) validate(mesh);
   MeshScan scan{.is_near = is_near};
-  if (counts_boxes) scan.counts = {tiles->count(), found.brick_refs};
+  if (counts_boxes) scan.counts = {tiles->count(), found.brick_refs, found.crossings};
   return scan;
 }
 

@@ -88,7 +88,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
     return estimate(mesh, grid, thickness, options).whole;
   };
-  // Triangles in one place share tiles, but the bound adds them up; triangles off the grid do not count.
+  // Triangles in one place share tiles; those off the grid do not count.
   const auto mesh_of = [](int count, double at) {
     Mesh mesh;
     for (int n = 0; n < count; ++n) {
@@ -101,10 +101,24 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   };
   constexpr std::int64_t kChunk = 256 * 512 * 4;
   const std::int64_t none = needed(mesh_of(1, -1000)), some = needed(mesh_of(1, 3));
-  EXPECT_EQ(some - none, kChunk);
-  EXPECT_EQ(needed(mesh_of(256, 3)) - needed(mesh_of(256, -1000)), kChunk);
-  EXPECT_EQ(needed(mesh_of(257, 3)) - needed(mesh_of(257, -1000)), 2 * kChunk);
-  EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), 2 * kChunk) << "two tiles each";
+  constexpr std::int64_t kRef = 4;  // a triangle in a list of a brick's
+  EXPECT_EQ(some - none, kChunk + kRef);
+  EXPECT_EQ(needed(mesh_of(5000, 3)) - needed(mesh_of(5000, -1000)), kChunk + 5000 * kRef);
+  // Each in a tile of its own.
+  const auto row_of = [&](int count) {
+    Mesh mesh;
+    for (int n = 0; n < count; ++n) {
+      Mesh one = mesh_of(1, 3 + 8 * n);
+      for (Triangle& t : one.triangles)
+        for (auto& v : t) v += static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
+      mesh.triangles.insert(mesh.triangles.end(), one.triangles.begin(), one.triangles.end());
+    }
+    return mesh;
+  };
+  EXPECT_EQ(needed(row_of(256)) - needed(mesh_of(256, -1000)), kChunk + 256 * kRef);
+  EXPECT_EQ(needed(row_of(257)) - needed(mesh_of(257, -1000)), 2 * kChunk + 257 * kRef);
+  EXPECT_EQ(needed(mesh_of(129, 6.9)) - needed(mesh_of(129, -1000)), kChunk + 129 * kRef) << "two tiles for all";
   EXPECT_EQ(needed(mesh_of(1, 3), kFullField), estimate(1, grid, kFullField, options).whole);
 }
 
@@ -216,7 +230,7 @@ TEST(Memory, WhatIsAdvisedHelps) {
     options.execution.backend = Backend::cpu;
     options.execution.threads = 1;
     const Grid grid = cube(400, {-5, -5, -5}, 10);
-    options.memory_limit = std::int64_t{230} << 20;
+    options.memory_limit = estimate(mesh, grid, thickness, options).whole * 9 / 10;
     const std::string told = refusal(mesh, grid, thickness, options);
     std::smatch side;
     ASSERT_TRUE(std::regex_search(told, side, std::regex("at most about ([0-9]+) samples"))) << told;

@@ -87,7 +87,9 @@ TEST(SignMemory, ATenthMoreThanUnsigned) {
       const Grid grid = grid_of(kind.mesh, {side, side, side});
       for (const double samples : {2.0, kInfinity}) {
         const double thickness = samples * grid.max_spacing();
-        const std::int64_t plain = estimate(kind.mesh, grid, thickness, options_with(SignMethod::none)).whole,
+        // Of a mesh of so many triangles that may be anywhere: crossings may take what the backend took before.
+        const auto count = static_cast<std::int64_t>(kind.mesh.triangles.size());
+        const std::int64_t plain = estimate(count, grid, thickness, options_with(SignMethod::none)).whole,
                            with_sign = estimate(kind.mesh, grid, thickness, options_with(SignMethod::winding)).whole;
         EXPECT_LE(static_cast<double>(with_sign), 1.1 * static_cast<double>(plain)) << kind.name << ", " << side;
       }
