@@ -253,7 +253,7 @@ def test_a_worker_is_killed_at_a_block(at, deadly_client, serial, tmp_path):
 def test_a_block_that_always_kills_is_named_and_the_others_are_kept(
     tasks, deadly_client, serial, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("standoff.dask._write._TASKS_OF_A_THREAD", tasks)
+    monkeypatch.setattr("standoff.dask._write.TASKS_OF_A_THREAD", tasks)
     client = deadly_client((32, 0, 32), always=True)
     with pytest.raises(so.Error, match=r"1 of \d+ windows killed .* sample \(32, 0, 32\)"):
         sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)

@@ -84,8 +84,7 @@ std::uint32_t remainder_by_tables(std::uint32_t before, const std::byte* at, std
     before = t[7][byte(0)] ^ t[6][byte(1)] ^ t[5][byte(2)] ^ t[4][byte(3)] ^  //
              t[3][byte(4)] ^ t[2][byte(5)] ^ t[1][byte(6)] ^ t[0][byte(7)];
   }
-  for (; count > 0; --count, ++at)
-    before = (before >> 8) ^ t[0][(before ^ static_cast<std::uint32_t>(*at)) & 0xFF];
+  for (; count > 0; --count, ++at) before = (before >> 8) ^ t[0][(before ^ static_cast<std::uint32_t>(*at)) & 0xFF];
   return before;
 }
 
@@ -111,8 +110,8 @@ __attribute__((target("pclmul"))) __m128i load(const std::byte* at) {
 __attribute__((target("pclmul"))) __m128i folded(__m128i bytes, const std::array<std::uint64_t, 2>& past,
                                                  __m128i onto) {
   const __m128i by = _mm_set_epi64x(static_cast<long long>(past[1]), static_cast<long long>(past[0]));
-  return _mm_xor_si128(
-      onto, _mm_xor_si128(_mm_clmulepi64_si128(bytes, by, 0x00), _mm_clmulepi64_si128(bytes, by, 0x11)));
+  return _mm_xor_si128(onto,
+                       _mm_xor_si128(_mm_clmulepi64_si128(bytes, by, 0x00), _mm_clmulepi64_si128(bytes, by, 0x11)));
 }
 
 // Requires kLeastFolded bytes.
@@ -141,8 +140,8 @@ __attribute__((target("pclmul"))) std::uint32_t remainder_by_folding(std::uint32
 }
 
 __attribute__((target("pclmul"))) std::uint64_t multiplied(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(_mm_cvtsi128_si64(
-      _mm_clmulepi64_si128(_mm_cvtsi64_si128(static_cast<long long>(a)), _mm_cvtsi64_si128(static_cast<long long>(b)), 0)));
+  return static_cast<std::uint64_t>(_mm_cvtsi128_si64(_mm_clmulepi64_si128(
+      _mm_cvtsi64_si128(static_cast<long long>(a)), _mm_cvtsi64_si128(static_cast<long long>(b)), 0)));
 }
 
 std::uint32_t remainder(std::uint32_t before, std::span<const std::byte> bytes) {

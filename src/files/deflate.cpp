@@ -300,16 +300,15 @@ void RunDeflater::deflate(std::string& out, End end) const {
   std::array<std::uint32_t, kSymbols> counts{};
   std::uint64_t matches = 0, extra_bits = 0;
   const Coded distance = coded_distance(static_cast<std::uint32_t>(period_));
-  each_token(
-      [&](std::span<const std::byte> bytes) { byte_counts.add(bytes); },
-      [&](auto, std::uint32_t run) {
-        each_match(run, [&](std::uint32_t length, std::uint32_t times) {
-          const Coded coded = coded_length(length);
-          counts[coded.symbol] += times;
-          matches += times;
-          extra_bits += std::uint64_t{times} * (coded.extra_bits + distance.extra_bits);
-        });
-      });
+  each_token([&](std::span<const std::byte> bytes) { byte_counts.add(bytes); },
+             [&](auto, std::uint32_t run) {
+               each_match(run, [&](std::uint32_t length, std::uint32_t times) {
+                 const Coded coded = coded_length(length);
+                 counts[coded.symbol] += times;
+                 matches += times;
+                 extra_bits += std::uint64_t{times} * (coded.extra_bits + distance.extra_bits);
+               });
+             });
   for (std::size_t byte = 0; byte < kEndOfBlock; ++byte) counts[byte] = byte_counts.of(byte);
   counts[kEndOfBlock] = 1;
   const Codes codes(counts, distance.symbol, matches, extra_bits);
@@ -318,20 +317,19 @@ void RunDeflater::deflate(std::string& out, End end) const {
   constexpr std::uint64_t kEndBits = 3;
   Bits bits(out, codes.bits + kEndBits);
   codes.write(bits, end == End::last);
-  each_token(
-      [&](std::span<const std::byte> bytes) { write_literals(bytes, codes.symbols, bits); },
-      [&](auto, std::uint32_t run) {
-        each_match(run, [&](std::uint32_t length, std::uint32_t times) {
-          const Coded coded = coded_length(length);
-          const HuffmanCode& code = codes.symbols[coded.symbol];
-          for (; times > 0; --times) {
-            bits.add(code);
-            if (coded.extra_bits > 0) bits.add(coded.extra, coded.extra_bits);
-            bits.add(0, 1);  // the only distance
-            if (distance.extra_bits > 0) bits.add(distance.extra, distance.extra_bits);
-          }
-        });
-      });
+  each_token([&](std::span<const std::byte> bytes) { write_literals(bytes, codes.symbols, bits); },
+             [&](auto, std::uint32_t run) {
+               each_match(run, [&](std::uint32_t length, std::uint32_t times) {
+                 const Coded coded = coded_length(length);
+                 const HuffmanCode& code = codes.symbols[coded.symbol];
+                 for (; times > 0; --times) {
+                   bits.add(code);
+                   if (coded.extra_bits > 0) bits.add(coded.extra, coded.extra_bits);
+                   bits.add(0, 1);  // the only distance
+                   if (distance.extra_bits > 0) bits.add(distance.extra, distance.extra_bits);
+                 }
+               });
+             });
   bits.add(codes.symbols[kEndOfBlock]);
   if (end == End::more) bits.add(0, kEndBits);  // an empty stored block, which begins with a byte
   bits.end();

@@ -24,7 +24,7 @@ Window = tuple[Triple, Triple]  # first sample and shape
 
 # A task costs the scheduler and the client milliseconds, as much as some windows. So a task has several of them, while
 # there are tasks enough for all threads to end at one time.
-_TASKS_OF_A_THREAD, _MOST_OF_A_TASK = 32, 16
+TASKS_OF_A_THREAD, MOST_OF_A_TASK = 32, 16
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ def _identity(job: Job) -> Job:
 
 def tasks_of(todo: list[Window], threads: int) -> list[list[Window]]:
     """Windows that lie side by side, as they do in the list."""
-    count = min(_MOST_OF_A_TASK, max(1, len(todo) // (_TASKS_OF_A_THREAD * max(1, threads))))
+    count = min(MOST_OF_A_TASK, max(1, len(todo) // (TASKS_OF_A_THREAD * max(1, threads))))
     return [todo[at : at + count] for at in range(0, len(todo), count)]
 
 
