@@ -2,6 +2,7 @@
 """standoff batch over many small meshes, from files to files, beside a pool of processes with Open3D in Python. Writes
 batch.csv. Needs numpy; Open3D where STANDOFF_PEER_PYTHON names a Python that has it."""
 
+import contextlib
 import json
 import os
 import resource
@@ -27,9 +28,20 @@ def make_meshes(folder, count):
     return triangles
 
 
+@contextlib.contextmanager
+def results_in(folder):
+    """A new folder for results. Its files are emptied at its end, and removed with `folder`: ext4 passes over what was removed in the
+    last minutes, one by one, before it makes a file, so that one run would slow the next."""
+    out = tempfile.mkdtemp(dir=folder)
+    yield out
+    for path in Path(out).rglob("*"):
+        if path.is_file():
+            os.truncate(path, 0)
+
+
 def run_batch(program, folder, job):
     """One run into an empty folder; what it took."""
-    with tempfile.TemporaryDirectory(dir=folder) as out:
+    with results_in(folder) as out:
         before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
         command = [program, "batch", str(folder / "list.txt"), "-o", out, "-q", "--json", *job["args"]]
         print("  " + " ".join(command), file=sys.stderr)

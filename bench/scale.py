@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from batch import make_meshes
+from batch import make_meshes, results_in
 from harness import machine_lines, markdown, peer_python, results_folder, write_csv
 
 MACHINES = (1, 2, 10, 100, 1000)
@@ -25,26 +25,30 @@ FILES = 5e3  # files per second that it makes
 SEED = 7
 
 
-def field_seconds(found, workers, dask, network=math.inf, store=math.inf, files=math.inf):
-    """Simulated: the client looks at all windows, the scheduler gives tasks one after the other, the mesh spreads from worker to
-    worker, each prepares it and computes windows whose times are drawn from those measured. Returns seconds and what limits."""
+def field_seconds(found, workers, dask, network=math.inf, store=math.inf, files=math.inf, cores=math.inf):
+    """Simulated: the client looks at all windows, the scheduler gives tasks of some windows one after the other, the mesh spreads from
+    worker to worker, each prepares it and computes windows whose times are drawn from those measured. `cores`: that workers, client
+    and scheduler share. Returns seconds and what limits."""
     draw = random.Random(SEED)
     counts, tries = found["windows"], found["tries"]
-    tasks = [draw.choice(tries[kind]) for kind in ("surface", "inside") for _ in range(counts[kind])]
-    draw.shuffle(tasks)
+    windows = [draw.choice(tries[kind]) for kind in ("surface", "inside") for _ in range(counts[kind])]
+    draw.shuffle(windows)
+    side_by_side = min(dask["most_of_a_task"], max(1, len(windows) // (dask["tasks_of_a_thread"] * workers)))
+    tasks = [sum(took for took, _ in windows[at : at + side_by_side]) for at in range(0, len(windows), side_by_side)]
     task, byte = dask["task_s"], dask["copy_s"] + 1 / network
     client = found["prepare_s"] + found["look_s"] * sum(counts.values()) + dask["send_s"] * found["mesh_bytes"]
     copies = math.ceil(math.log2(workers)) * byte * found["mesh_bytes"]
-    free = [client + copies + found["prepare_s"]] * workers
+    begin = client + copies + found["prepare_s"]
+    free = [begin] * workers
     heapq.heapify(free)
-    for n, (took, _) in enumerate(tasks, start=1):
+    for n, took in enumerate(tasks, start=1):
         heapq.heappush(free, max(heapq.heappop(free), client + n * task) + took)
-    bounds = {"workers": max(free), "scheduler": client + len(tasks) * task, "bytes into the store": sum(size for _, size in tasks) / store,
-              "files of the store": len(tasks) / files}
+    bounds = {"workers": max(free), "scheduler": client + len(tasks) * task, "bytes into the store": sum(size for _, size in windows) / store,
+              "files of the store": len(windows) / files, "cores": begin + (sum(tasks) + len(tasks) * task) / cores}
     limit = max(bounds, key=bounds.get)
     if limit == "workers" and bounds["scheduler"] > 0.9 * bounds["workers"]:
         limit = "scheduler"
-    if limit == "workers" and client + copies + found["prepare_s"] > 0.5 * bounds["workers"]:
+    if limit == "workers" and begin > 0.5 * bounds["workers"]:
         limit = "what is done once"
     return bounds[limit] if limit != "what is done once" else bounds["workers"], limit
 
@@ -66,7 +70,7 @@ def batch_seconds(pieces, meshes, machines, cores, files=math.inf):
 
 def batch_pieces(program, folder, workers):
     """Seconds of a core for each mesh, and of the whole run, with so many workers."""
-    with tempfile.TemporaryDirectory(dir=folder) as out:
+    with results_in(folder) as out:
         began = time.perf_counter()
         subprocess.run([program, "batch", str(folder / "list.txt"), "-o", out, "-q", "-r", "64", "-t", "3s", "-j", str(workers)], check=True)
         took = time.perf_counter() - began
@@ -92,7 +96,7 @@ def run(workload, only, build, note=""):
         sys.exit("bench: scale needs STANDOFF_PEER_PYTHON, a Python with standoff[dask]")
     for job, pieces in zip(jobs, found["fields"]):
         for workers, measured in sorted(pieces.get("measured_s", {}).items()):
-            simulated = field_seconds(pieces, int(workers), found["dask"])[0]
+            simulated = field_seconds(pieces, int(workers), found["dask"], cores=os.cpu_count())[0]
             checks.append({"job": job["what"], "workers": workers, "simulated": shown(simulated), "measured": shown(measured),
                            "measured / simulated": f"{measured / simulated:.2f}"})
         if "measured_s" in pieces:

@@ -17,6 +17,7 @@ try:
     import standoff as so
     import standoff.dask as sd
     from standoff._targets import Target
+    from standoff.dask import _write
 except ImportError:
     sys.exit(3)
 
@@ -98,7 +99,8 @@ def dask_seconds(workers):
         distributed.wait(held)
         sent = time.perf_counter()
         client.submit(len, held, workers=[second]).result()
-        return {"task_s": task, "send_s": (sent - began) / len(data), "copy_s": (time.perf_counter() - sent) / len(data)}
+        return {"tasks_of_a_thread": _write.TASKS_OF_A_THREAD, "most_of_a_task": _write.MOST_OF_A_TASK, "task_s": task,
+                "send_s": (sent - began) / len(data), "copy_s": (time.perf_counter() - sent) / len(data)}
 
 
 def checked(mesh, job, folder):

@@ -285,32 +285,46 @@ bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wa
   return true;
 }
 
+// What making takes.
+struct MeshWork::Need {
+  std::int64_t bytes = 0, samples = 0;
+};
+
+MeshWork::Need MeshWork::need_of(const MemoryEstimate& field) const {
+  const std::int64_t row = making_.array ? making_.array->chunk().count() : 0;
+  return {field.whole + 2 * std::int64_t{sizeof(float)} * row, field.stored_samples};  // a row, and packed
+}
+
+// Most meshes are small by their number of triangles alone; only others are gone through.
+MeshWork::Need MeshWork::need(const Mesh& mesh, const GridChoice& choice) const {
+  const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  // The query's hierarchy and prepared triangles, the mesh's copy; a point as it is drawn, asked and stored.
+  if (making_.points)
+    return {400 * triangles + 16 * making_.points->count + (std::int64_t{16} << 20), making_.points->count};
+  const ComputeOptions& options = making_.field.compute;
+  const Need most = need_of(estimate(triangles, choice.grid, choice.thickness, options));
+  if (!is_large(most, triangles)) return most;
+  Need need;
+  on_threads(threads_, [&] { need = need_of(estimate(mesh, choice.grid, choice.thickness, options)); });
+  return need;
+}
+
+bool MeshWork::is_large(const Need& need, std::int64_t triangles) const {
+  return triangles > kAloneTriangles || need.samples > kAloneSamples ||
+         need.bytes > making_.field.memory_limit() / making_.workers;
+}
+
 // Decides how the mesh is worked on, and waits until that may begin. Errors: limit.
 void MeshWork::begin(const Mesh& mesh, const GridChoice& choice, const std::function<void()>& wait_to_be_alone) {
-  const ComputeOptions& options = making_.field.compute;
-  std::int64_t samples = 0, needed = 0;
-  if (making_.points) {
-    samples = making_.points->count;
-    // The query's hierarchy and prepared triangles, the mesh's copy; a point as it is drawn, asked and stored.
-    needed = 400 * static_cast<std::int64_t>(mesh.triangles.size()) + 16 * samples + (std::int64_t{16} << 20);
-  } else {
-    on_threads(threads_, [&] {
-      const MemoryEstimate found = estimate(mesh, choice.grid, choice.thickness, options);
-      samples = found.stored_samples;
-      needed = found.whole;
-    });
-    if (making_.array) needed += 2 * std::int64_t{sizeof(float)} * making_.array->chunk().count();  // one, and packed
-  }
+  const Need need = this->need(mesh, choice);
   const std::int64_t limit = making_.field.memory_limit();
-  if (needed > limit)
+  if (need.bytes > limit)
     throw Error(ErrorCode::limit,
                 std::string("the ") + (making_.points ? "points" : "field") + " and the making may need " +
-                    bytes_text(needed) + ", more than the limit of " + bytes_text(limit) +
+                    bytes_text(need.bytes) + ", more than the limit of " + bytes_text(limit) +
                     "; take fewer samples, a smaller thickness, or a larger --memory-limit",
-                {.bytes_needed = needed, .bytes_limit = limit});
-  const bool large = static_cast<std::int64_t>(mesh.triangles.size()) > kAloneTriangles || samples > kAloneSamples ||
-                     needed > limit / making_.workers;
-  if (!large && !alone_) return;
+                {.bytes_needed = need.bytes, .bytes_limit = limit});
+  if (!is_large(need, static_cast<std::int64_t>(mesh.triangles.size())) && !alone_) return;
   if (!alone_) {
     const auto start = std::chrono::steady_clock::now();
     wait_to_be_alone();

@@ -89,6 +89,10 @@ class MeshWork {
   void make_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   bool fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   void make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
+  struct Need;
+  Need need(const Mesh& mesh, const GridChoice& choice) const;
+  Need need_of(const MemoryEstimate& field) const;
+  bool is_large(const Need& need, std::int64_t triangles) const;
   void begin(const Mesh& mesh, const GridChoice& choice, const std::function<void()>& wait_to_be_alone);
 
   BatchMaking making_;

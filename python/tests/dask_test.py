@@ -2,6 +2,7 @@
 """Fields by Dask: lazy arrays, and stores that a cluster writes, whatever happens to its workers."""
 
 import contextlib
+import inspect
 import os
 import shutil
 import signal
@@ -12,6 +13,7 @@ import threading
 import time
 import urllib.request
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -23,6 +25,8 @@ import dask
 import standoff.dask as sd
 import zarr
 from distributed import Client, LocalCluster
+from standoff.dask._compute import METHODS_IN_WINDOWS, SIGNS_IN_WINDOWS
+from standoff.dask._write import tasks_of
 
 MESH = shapes.sphere(8)
 SIZES = {"resolution": 120, "band": 3}
@@ -86,15 +90,15 @@ def mended():
 COUNTS_DECISIONS = """
     import os
     from pathlib import Path
-    import standoff.dask as sd
+    from standoff.dask._job import Job
 
-    def prepare(self, threads, prepare=sd._Job.prepare):
+    def prepare(self, threads, prepare=Job.prepare):
         if self.decision is None:
             Path(os.environ["STANDOFF_TEST_DECIDED"], f"{os.getpid()}").touch()
         return prepare(self, threads)
 
-    if sd._Job.prepare.__name__ != "prepare" or sd._Job.prepare.__module__ == "standoff.dask":
-        sd._Job.prepare = prepare
+    if Job.prepare.__module__ == "standoff.dask._job":  # a worker loads this twice
+        Job.prepare = prepare
 """
 
 
@@ -119,6 +123,25 @@ def test_the_sign_is_decided_once(tmp_path, monkeypatch):
     np.testing.assert_array_equal(
         so.load(tmp_path / "field.zarr").numpy(), so.field(mended(), **SIZES | {"resolution": 100}).numpy()
     )
+
+
+# A decision travels for the signs and methods that need only what is near a window.
+def test_what_needs_only_a_part_of_the_mesh_is_known():
+    def is_whole(**options):
+        return so.FieldWindows(MESH, window=32, device="cpu", **SIZES, **options).is_whole
+
+    methods = get_args(inspect.get_annotations(so.FieldWindows.__init__, eval_str=True)["method"])
+    assert {name for name in methods if not is_whole(method=name)} == set(METHODS_IN_WINDOWS)
+    signs = set(get_args(inspect.get_annotations(so.Sign, eval_str=True)["method"])) - {"none", "shell"}
+    assert {name for name in signs if not is_whole(sign=name)} == set(SIGNS_IN_WINDOWS)
+
+
+def test_tasks_have_several_windows_where_there_are_many():
+    for count, threads, most in [(0, 2, 1), (97, 2, 1), (200, 2, 3), (5000, 2, 16), (5000, 1000, 1), (50, 0, 1)]:
+        windows = [((16 * n, 0, 0), (16, 16, 16)) for n in range(count)]
+        tasks = tasks_of(windows, threads)
+        assert [window for task in tasks for window in task] == windows
+        assert max(map(len, tasks), default=1) == most and min(map(len, tasks), default=1) > 0
 
 
 def test_a_store_is_the_field(serial):
@@ -226,7 +249,11 @@ def test_a_worker_is_killed_at_a_block(at, deadly_client, serial, tmp_path):
     expect_same(tmp_path / "field.zarr", serial)
 
 
-def test_a_block_that_always_kills_is_named_and_the_others_are_kept(deadly_client, serial, tmp_path):
+@pytest.mark.parametrize("tasks", [32, 2])  # a window each, and fourteen
+def test_a_block_that_always_kills_is_named_and_the_others_are_kept(
+    tasks, deadly_client, serial, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("standoff.dask._write.TASKS_OF_A_THREAD", tasks)
     client = deadly_client((32, 0, 32), always=True)
     with pytest.raises(so.Error, match=r"1 of \d+ windows killed .* sample \(32, 0, 32\)"):
         sd.write(tmp_path / "field.zarr", MESH, client=client, **SIZES, **LAYOUT)

@@ -69,6 +69,7 @@ class AtomicFile {
   void append(const char* data, std::size_t bytes);
   void close();
   void sync(int file) const;
+  static void begin_to_sync(int file) noexcept;
   void sync_folder() const noexcept;
   void link_unnamed();
   void take_name();

@@ -9,134 +9,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <span>
 #include <stdexcept>
 #include <vector>
 
 namespace standoff {
-namespace {
-
-// Both checksums are linear in what came before. Adler-32 has a closed form; the CRC of a run is looked up, and moved
-// into place by a product of polynomials, as zlib's crc32_combine does.
-
-constexpr std::uint64_t kFine = 2048;
-
-// a * b modulo the polynomial of CRC-32, coefficients of low powers in high bits.
-std::uint32_t product(std::uint32_t a, std::uint32_t b) {
-  constexpr std::uint32_t kPolynomial = 0xEDB88320;
-  std::uint32_t sum = 0;
-  for (; a != 0; a <<= 1) {
-    sum ^= b & (0u - (a >> 31));
-    b = (b >> 1) ^ (kPolynomial & (0u - (b & 1)));
-  }
-  return sum;
-}
-
-// x^(8 * bytes).
-std::uint32_t shift_by(std::uint64_t bytes) {
-  std::uint32_t power = 1u << 31, square = 1u << 23;  // 1 and x^8
-  for (; bytes != 0; bytes >>= 1, square = product(square, square))
-    if (bytes & 1) power = product(power, square);
-  return power;
-}
-
-// Table k: the CRC of a byte with k zero bytes behind it (Kounavis and Berry, "Novel table lookup-based algorithms for
-// high-performance CRC generation", 2008).
-constexpr auto kCrcTables = [] {
-  std::array<std::array<std::uint32_t, 256>, 8> tables{};
-  for (std::uint32_t byte = 0; byte < 256; ++byte) {
-    std::uint32_t crc = byte;
-    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (0xEDB88320 & (0u - (crc & 1)));
-    tables[0][byte] = crc;
-  }
-  for (std::size_t k = 1; k < tables.size(); ++k)
-    for (std::size_t byte = 0; byte < 256; ++byte)
-      tables[k][byte] = (tables[k - 1][byte] >> 8) ^ tables[0][tables[k - 1][byte] & 0xFF];
-  return tables;
-}();
-
-// From here on zlib is faster. It takes byte by byte what is shorter than 47 bytes, as most literals between runs are.
-constexpr std::size_t kLongForCrc = 512;
-
-std::uint32_t crc_of(std::uint32_t before, const void* bytes, std::size_t count) {
-  const auto* at = static_cast<const unsigned char*>(bytes);
-  if (count >= kLongForCrc) return static_cast<std::uint32_t>(::crc32_z(before, at, count));
-  std::uint32_t crc = ~before;
-  const auto& t = kCrcTables;
-  for (; count >= 8; count -= 8, at += 8) {
-    std::uint64_t word;
-    std::memcpy(&word, at, sizeof word);
-    word ^= crc;
-    const auto byte = [word](int n) { return (word >> (8 * n)) & 0xFF; };
-    crc = t[7][byte(0)] ^ t[6][byte(1)] ^ t[5][byte(2)] ^ t[4][byte(3)] ^  //
-          t[3][byte(4)] ^ t[2][byte(5)] ^ t[1][byte(6)] ^ t[0][byte(7)];
-  }
-  for (; count > 0; --count, ++at) crc = (crc >> 8) ^ t[0][(crc ^ *at) & 0xFF];
-  return ~crc;
-}
-
-}  // namespace
-
-std::uint32_t adler32_of_run(std::uint32_t before, std::span<const std::byte> element, std::uint64_t count) {
-  constexpr std::uint64_t kPrime = 65521;
-  const std::uint64_t bytes = element.size(), n = count % kPrime;
-  std::uint64_t sum = 0, weighted = 0;
-  for (std::size_t k = 0; k < bytes; ++k) {
-    sum += static_cast<std::uint64_t>(element[k]);
-    weighted += (bytes - k) * static_cast<std::uint64_t>(element[k]);
-  }
-  sum %= kPrime;
-  // 0 + 1 + ... + (count - 1): one of both factors is even.
-  const std::uint64_t pairs =
-      count % 2 == 0 ? (count / 2 % kPrime) * ((count - 1) % kPrime) % kPrime : n * ((count - 1) / 2 % kPrime) % kPrime;
-  const std::uint64_t low = before & 0xFFFF, high = before >> 16;
-  const std::uint64_t new_low = (low + n * sum) % kPrime;
-  const std::uint64_t new_high =
-      (high + bytes % kPrime * (n * low % kPrime) + n * (weighted % kPrime) + bytes % kPrime * (sum * pairs % kPrime)) %
-      kPrime;
-  return count == 0 ? before : static_cast<std::uint32_t>(new_high << 16 | new_low);
-}
-
-CrcRuns::CrcRuns(std::span<const std::string> elements, std::uint64_t longest) {
-  const std::uint64_t bytes = elements[0].size(), coarse = longest / kFine + 1;
-  const std::uint32_t step = shift_by(bytes), long_step = shift_by(bytes * kFine);
-  fine_.push_back(shift_by(0));
-  while (fine_.size() < kFine) fine_.push_back(product(fine_.back(), step));
-  coarse_.push_back(shift_by(0));
-  while (coarse_.size() < coarse) coarse_.push_back(product(coarse_.back(), long_step));
-  for (const std::string& element : elements) {
-    Known known{element, {0}, {0}};
-    while (known.fine.size() <= kFine) known.fine.push_back(crc_of(known.fine.back(), element.data(), element.size()));
-    while (known.coarse.size() < coarse)
-      known.coarse.push_back(product(long_step, known.coarse.back()) ^ known.fine[kFine]);
-    known_.push_back(std::move(known));
-  }
-}
-
-std::uint32_t CrcRuns::joined(std::uint32_t first, std::uint32_t second, std::uint64_t elements) const {
-  return product(coarse_[elements / kFine], product(fine_[elements % kFine], first)) ^ second;
-}
-
-std::uint32_t CrcRuns::of_run(std::uint32_t before, std::span<const std::byte> element, std::uint64_t count) const {
-  constexpr std::uint64_t kFewBytes = 256;
-  const std::uint64_t bytes = element.size();
-  if (count * bytes > kFewBytes)
-    for (const Known& known : known_) {
-      if (std::memcmp(known.element.data(), element.data(), bytes) != 0) continue;
-      const std::uint64_t many = count / kFine, few = count % kFine;
-      std::uint32_t crc = before;
-      if (many > 0) crc = product(coarse_[many], crc) ^ known.coarse[many];
-      return product(fine_[few], crc) ^ known.fine[few];
-    }
-  std::byte copies[1024];
-  const std::uint64_t at_once = std::min<std::uint64_t>(sizeof copies / bytes, count);
-  for (std::uint64_t n = 0; n < at_once; ++n) std::memcpy(copies + n * bytes, element.data(), bytes);
-  for (; count > 0; count -= std::min(at_once, count))
-    before = crc_of(before, copies, std::min(at_once, count) * bytes);
-  return before;
-}
 
 // The prefix codes of deflate (RFC 1951, section 3.2.2).
 
@@ -243,39 +121,78 @@ void each_match(std::uint32_t run, const Match& match) {
   if (rest > 0) match(rest, 1u);
 }
 
+// Bits at the end of a text, which gets room for all of them first.
 class Bits {
  public:
-  explicit Bits(std::string& out) : out_(out) {}
+  Bits(std::string& out, std::uint64_t most) : out_(out) {
+    const std::size_t before = out.size();
+    out.resize(before + most / 8 + 1 + sizeof held_);  // whole words are written
+    at_ = out.data() + before;
+  }
 
-  void add(std::uint64_t bits, std::uint32_t count) {  // of at most 32
+  static constexpr std::uint32_t kMostAtOnce = 56;
+  void add(std::uint64_t bits, std::uint32_t count) {
     held_ |= bits << held_count_;
     held_count_ += count;
-    if (held_count_ >= 32) {
-      if (used_ == buffer_.size()) flush();
-      std::memcpy(buffer_.data() + used_, &held_, 4);
-      used_ += 4;
-      held_ >>= 32;
-      held_count_ -= 32;
-    }
+    std::memcpy(at_, &held_, sizeof held_);
+    at_ += held_count_ / 8;
+    held_ >>= held_count_ & ~7u;
+    held_count_ &= 7;
   }
   void add(const HuffmanCode& code) { add(code.bits, code.length); }
-  void to_byte() {
-    flush();
-    for (; held_count_ > 0; held_count_ -= std::min(held_count_, 8u), held_ >>= 8)
-      out_ += static_cast<char>(held_ & 0xFF);
+  // Ends the text after the last bit's byte.
+  void end() { out_.resize(static_cast<std::size_t>(at_ + (held_count_ > 0 ? 1 : 0) - out_.data())); }
+
+ private:
+  std::string& out_;
+  char* at_ = nullptr;
+  std::uint64_t held_ = 0;
+  std::uint32_t held_count_ = 0;
+};
+
+// Samples have four bytes, which are coded together: two by two, and all at once where their bits fit.
+constexpr std::size_t kBytesAtOnce = 4;
+static_assert(2 * kLongestCode <= Bits::kMostAtOnce);
+
+struct TwoCodes {
+  std::uint64_t bits;
+  std::uint32_t length;
+  TwoCodes(const HuffmanCode& a, const HuffmanCode& b)
+      : bits(a.bits | std::uint64_t{b.bits} << a.length), length(std::uint32_t{a.length} + b.length) {}
+};
+
+void write_literals(std::span<const std::byte> bytes, std::span<const HuffmanCode> codes, Bits& out) {
+  const auto code = [&](std::size_t n) -> const HuffmanCode& { return codes[static_cast<std::size_t>(bytes[n])]; };
+  std::size_t n = 0;
+  for (; n + kBytesAtOnce <= bytes.size(); n += kBytesAtOnce) {
+    const TwoCodes first(code(n), code(n + 1)), second(code(n + 2), code(n + 3));
+    if (first.length + second.length <= Bits::kMostAtOnce) {
+      out.add(first.bits | second.bits << first.length, first.length + second.length);
+    } else {
+      out.add(first.bits, first.length);
+      out.add(second.bits, second.length);
+    }
+  }
+  for (; n < bytes.size(); ++n) out.add(code(n));
+}
+
+// How often each byte occurs. Neighbours are counted apart: a counter that was just written is slow to read.
+class ByteCounts {
+ public:
+  void add(std::span<const std::byte> bytes) {
+    std::size_t n = 0;
+    for (; n + kBytesAtOnce <= bytes.size(); n += kBytesAtOnce)
+      for (std::size_t k = 0; k < kBytesAtOnce; ++k) ++counts_[k][static_cast<std::size_t>(bytes[n + k])];
+    for (; n < bytes.size(); ++n) ++counts_[0][static_cast<std::size_t>(bytes[n])];
+  }
+  std::uint32_t of(std::size_t byte) const {
+    std::uint32_t sum = 0;
+    for (const auto& counts : counts_) sum += counts[byte];
+    return sum;
   }
 
  private:
-  void flush() {
-    out_.append(buffer_.data(), used_);
-    used_ = 0;
-  }
-
-  std::string& out_;
-  std::uint64_t held_ = 0;
-  std::uint32_t held_count_ = 0;
-  std::size_t used_ = 0;
-  std::array<char, 4096> buffer_;
+  std::array<std::array<std::uint32_t, kEndOfBlock>, kBytesAtOnce> counts_{};
 };
 
 // The codes of a block, and what they cost.
@@ -321,10 +238,10 @@ void RunDeflater::clear() {
   run_bytes_ = 0;
 }
 
-void RunDeflater::add_literal(const std::byte* element) {
+void RunDeflater::add_literals(const std::byte* from, std::uint64_t count) {
   if (tokens_.empty() || tokens_.back().run > 0) tokens_.emplace_back();
-  tokens_.back().literals += static_cast<std::uint32_t>(period_);
-  literals_.insert(literals_.end(), element, element + period_);
+  tokens_.back().literals += static_cast<std::uint32_t>(count * period_);
+  literals_.insert(literals_.end(), from, from + count * period_);
 }
 
 void RunDeflater::add_run(std::uint64_t count) {
@@ -335,11 +252,19 @@ void RunDeflater::add_run(std::uint64_t count) {
 template <std::size_t bytes>
 void RunDeflater::add_elements(const std::byte* from, std::uint64_t count) {
   const std::size_t period = bytes > 0 ? bytes : period_;
-  for (; count > 0; --count, from += period) {
-    if (!literals_.empty() && std::memcmp(literals_.data() + literals_.size() - period, from, period) == 0)
-      add_run(1);
+  const auto repeats = [&](const std::byte* at, const std::byte* before) {
+    return std::memcmp(at, before, period) == 0;
+  };
+  while (count > 0) {
+    const bool is_run = !literals_.empty() && repeats(from, literals_.data() + literals_.size() - period);
+    std::uint64_t n = 1;
+    while (n < count && repeats(from + n * period, from + (n - 1) * period) == is_run) ++n;
+    if (is_run)
+      add_run(n);
     else
-      add_literal(from);
+      add_literals(from, n);
+    from += n * period;
+    count -= n;
   }
 }
 
@@ -371,47 +296,43 @@ void RunDeflater::each_token(Literals literals, Run run) const {
 }
 
 void RunDeflater::deflate(std::string& out, End end) const {
+  ByteCounts byte_counts;
   std::array<std::uint32_t, kSymbols> counts{};
   std::uint64_t matches = 0, extra_bits = 0;
   const Coded distance = coded_distance(static_cast<std::uint32_t>(period_));
-  each_token(
-      [&](std::span<const std::byte> bytes) {
-        for (const std::byte byte : bytes) ++counts[static_cast<std::size_t>(byte)];
-      },
-      [&](auto, std::uint32_t run) {
-        each_match(run, [&](std::uint32_t length, std::uint32_t times) {
-          const Coded coded = coded_length(length);
-          counts[coded.symbol] += times;
-          matches += times;
-          extra_bits += std::uint64_t{times} * (coded.extra_bits + distance.extra_bits);
-        });
-      });
+  each_token([&](std::span<const std::byte> bytes) { byte_counts.add(bytes); },
+             [&](auto, std::uint32_t run) {
+               each_match(run, [&](std::uint32_t length, std::uint32_t times) {
+                 const Coded coded = coded_length(length);
+                 counts[coded.symbol] += times;
+                 matches += times;
+                 extra_bits += std::uint64_t{times} * (coded.extra_bits + distance.extra_bits);
+               });
+             });
+  for (std::size_t byte = 0; byte < kEndOfBlock; ++byte) counts[byte] = byte_counts.of(byte);
   counts[kEndOfBlock] = 1;
   const Codes codes(counts, distance.symbol, matches, extra_bits);
   if (codes.bits / 8 >= bytes()) return store(out, end);
 
-  out.reserve(out.size() + codes.bits / 8 + 16);
-  Bits bits(out);
+  constexpr std::uint64_t kEndBits = 3;
+  Bits bits(out, codes.bits + kEndBits);
   codes.write(bits, end == End::last);
-  each_token(
-      [&](std::span<const std::byte> bytes) {
-        for (const std::byte byte : bytes) bits.add(codes.symbols[static_cast<std::size_t>(byte)]);
-      },
-      [&](auto, std::uint32_t run) {
-        each_match(run, [&](std::uint32_t length, std::uint32_t times) {
-          const Coded coded = coded_length(length);
-          const HuffmanCode& code = codes.symbols[coded.symbol];
-          for (; times > 0; --times) {
-            bits.add(code);
-            if (coded.extra_bits > 0) bits.add(coded.extra, coded.extra_bits);
-            bits.add(0, 1);  // the only distance
-            if (distance.extra_bits > 0) bits.add(distance.extra, distance.extra_bits);
-          }
-        });
-      });
+  each_token([&](std::span<const std::byte> bytes) { write_literals(bytes, codes.symbols, bits); },
+             [&](auto, std::uint32_t run) {
+               each_match(run, [&](std::uint32_t length, std::uint32_t times) {
+                 const Coded coded = coded_length(length);
+                 const HuffmanCode& code = codes.symbols[coded.symbol];
+                 for (; times > 0; --times) {
+                   bits.add(code);
+                   if (coded.extra_bits > 0) bits.add(coded.extra, coded.extra_bits);
+                   bits.add(0, 1);  // the only distance
+                   if (distance.extra_bits > 0) bits.add(distance.extra, distance.extra_bits);
+                 }
+               });
+             });
   bits.add(codes.symbols[kEndOfBlock]);
-  if (end == End::more) bits.add(0, 3);  // an empty stored block, which begins with a byte
-  bits.to_byte();
+  if (end == End::more) bits.add(0, kEndBits);  // an empty stored block, which begins with a byte
+  bits.end();
   if (end == End::more) out.append("\0\0\xFF\xFF", 4);
 }
 
@@ -472,7 +393,7 @@ std::uint32_t RunDeflater::adler32() const {
 
 std::uint32_t RunDeflater::crc32(const CrcRuns& runs) const {
   std::uint32_t crc = 0;
-  each_token([&](std::span<const std::byte> bytes) { crc = crc_of(crc, bytes.data(), bytes.size()); },
+  each_token([&](std::span<const std::byte> bytes) { crc = crc32_of(crc, bytes); },
              [&](std::span<const std::byte> element, std::uint32_t run) {
                crc = runs.of_run(crc, element, run / element.size());
              });

@@ -8,6 +8,7 @@
 #include <new>
 #include <utility>
 
+#include "files/checksums.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -185,9 +186,8 @@ void ZipWriter::end_deflated(std::uint32_t crc) {
 }
 
 void ZipWriter::write(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;  // which zlib takes for a new beginning
   std::uint32_t& crc = members_.back().crc;
-  crc = static_cast<std::uint32_t>(::crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+  crc = crc32_of(crc, bytes);
   file_.write(bytes.data(), bytes.size());
 }
 
@@ -349,8 +349,7 @@ std::string_view ZipMemberStream::next(std::uint64_t bytes) {
     part = {to, bytes};
   }
   done_ += bytes;
-  if (bytes > 0)  // zlib takes no bytes for a new beginning
-    crc_ = static_cast<std::uint32_t>(::crc32_z(crc_, reinterpret_cast<const Bytef*>(part.data()), part.size()));
+  crc_ = crc32_of(crc_, std::as_bytes(std::span(part)));
   if (done_ == member_.bytes && crc_ != member_.crc) fail("its checksum is wrong; the file is damaged, write it again");
   return part;
 }

@@ -43,7 +43,7 @@ struct Both {
     deflater.elements(bytes(some), some.size() / period);
     plain += some;
   }
-  void expect_same(const std::vector<std::string>& known) const {
+  void expect_same() const {
     ASSERT_EQ(deflater.bytes(), plain.size());
     EXPECT_TRUE(inflated(deflater.zlib(), MAX_WBITS, plain.size()) == plain);
     std::string parts;
@@ -52,12 +52,26 @@ struct Both {
     EXPECT_TRUE(inflated(parts, -MAX_WBITS, 2 * plain.size()) == plain + plain);
     const auto* data = reinterpret_cast<const Bytef*>(plain.data());
     EXPECT_EQ(deflater.adler32(), ::adler32_z(1, data, plain.size()));
-    const CrcRuns runs(known, plain.size() / period);
+    const CrcRuns runs(period, plain.size() / period);
     const auto crc = static_cast<std::uint32_t>(::crc32_z(0, data, plain.size()));
     EXPECT_EQ(deflater.crc32(runs), crc);
     EXPECT_EQ(runs.joined(crc, crc, plain.size() / period), ::crc32_z(crc, data, plain.size()));
   }
 };
+
+TEST(Checksums, OfBytesOfAnyLength) {
+  std::mt19937 random(5);
+  std::string text;
+  for (int n = 0; n < 1000; ++n) text += static_cast<char>(random());
+  for (std::size_t begin = 0; begin < 20; ++begin)
+    for (std::size_t count = 0; begin + count <= text.size(); count += count < 300 ? 1 : 97) {
+      const std::string part = text.substr(begin, count);
+      const auto before = static_cast<std::uint32_t>(random());
+      ASSERT_EQ(crc32_of(before, std::as_bytes(std::span(part))),
+                ::crc32_z(before, reinterpret_cast<const Bytef*>(part.data()), part.size()))
+          << begin << " " << count;
+    }
+}
 
 TEST(RunDeflate, RunsOfAnyLengthAndPeriod) {
   for (const std::size_t period : {1, 2, 3, 4, 12, 256}) {
@@ -77,7 +91,7 @@ TEST(RunDeflate, RunsOfAnyLengthAndPeriod) {
       both.elements(some);
     }
     both.run(known, 1'000'000 / period + 5);
-    both.expect_same({known, other});
+    both.expect_same();
     EXPECT_LT(both.deflater.zlib().size(), both.plain.size() * 2 / 3);
   }
 }
@@ -88,7 +102,7 @@ TEST(RunDeflate, NoiseIsStored) {
   std::string noise;
   for (int n = 0; n < 200'000; ++n) noise += static_cast<char>(random());
   both.elements(noise);
-  both.expect_same({"abcd"});
+  both.expect_same();
   EXPECT_LT(both.deflater.zlib().size(), noise.size() + 100);
 }
 
@@ -96,7 +110,7 @@ TEST(RunDeflate, FewBytes) {
   for (const std::string text : {"a", "aa", "aaa", "aaaaa", "ab", "abcabc"}) {
     Both both(1);
     both.elements(text);
-    both.expect_same({"a"});
+    both.expect_same();
   }
 }
 
@@ -110,7 +124,7 @@ TEST(RunDeflate, CodesAreNeverTooLong) {
     a = b - a;
   }
   both.elements(text);
-  both.expect_same({"a"});
+  both.expect_same();
 }
 
 TEST(RunDeflate, ForgetsWhatWasBefore) {
@@ -118,7 +132,7 @@ TEST(RunDeflate, ForgetsWhatWasBefore) {
   both.deflater.run(bytes("abcd"), 7);
   both.deflater.clear();
   both.run("abcd", 9);
-  both.expect_same({"abcd"});
+  both.expect_same();
 }
 
 }  // namespace

@@ -154,10 +154,7 @@ class Packing {
         done_{{}, options.crc},
         open_(part.element_bytes(array)),
         threads_(options.threads) {
-    if (options.kind == BlockKind::deflate) {
-      const std::string unstored[] = {unstored_element(array, part, false), unstored_element(array, part, true)};
-      runs_.emplace(unstored, static_cast<std::uint64_t>(step_));
-    }
+    if (options.kind == BlockKind::deflate) runs_.emplace(part.element_bytes(array), static_cast<std::uint64_t>(step_));
     threads_.run([&] { deflaters_.emplace([bytes = part.element_bytes(array)] { return RunDeflater(bytes); }); });
   }
 
