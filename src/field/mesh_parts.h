@@ -20,8 +20,18 @@ class MeshParts {
   /// The memory of parts of a mesh of so many triangles, with all of them in one part.
   static std::int64_t bytes(std::int64_t triangles);
 
+  /// Takes over the corners of triangles, ascending, that moved. Not for parts of `among`. Returns false where one went
+  /// so far that new parts must take the place of these. The first call takes a pass over all triangles.
+  bool follow(MeshView mesh, std::span<const std::uint32_t> moved);
+  /// What follow() holds besides bytes().
+  static std::int64_t following_bytes(std::int64_t triangles) {
+    return triangles * static_cast<std::int64_t>(sizeof(std::uint32_t));
+  }
+
   /// The triangles whose boxes touch this one, ascending; a few more may be among them. The box may be infinite.
   std::vector<std::uint32_t> touching(const Box& box) const;
+  /// Adds them to others, in no order.
+  void add_touching(const Box& box, std::vector<std::uint32_t>& to) const;
   /// Whether there are any.
   bool touch(const Box& box) const;
 
@@ -29,6 +39,7 @@ class MeshParts {
   FloatBox local(const Box& box) const;
 
   Bvh bvh_;
+  std::vector<std::uint32_t> place_of_;  // by triangle; for follow()
 };
 
 /// Some triangles of an oriented mesh as a mesh of their own, which shares its vertices.
