@@ -62,6 +62,15 @@ MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint3
   return change;
 }
 
+namespace {
+
+bool touch(const Box& a, const Box& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+         b.min.z <= a.max.z;
+}
+
+}  // namespace
+
 double rounding_of_places(const Grid& grid) {
   const Box box = grid.bounds();
   const double farthest = std::max(max_norm(box.min), max_norm(box.max));
@@ -100,51 +109,61 @@ bool DirtyTiles::Marks::has(const Size3& low, const Size3& high, std::uint8_t ma
 }
 
 DirtyTiles::DirtyTiles(const Grid& grid)
-    : grid_(grid), tiles_(DistanceField::tiles_of(grid.size)), bricks_(size_in_bricks(grid)) {}
+    : grid_(grid), finder_(grid), tiles_(DistanceField::tiles_of(grid.size)), bricks_(size_in_bricks(grid)) {}
 
-void DirtyTiles::mark_tiles(const Size3& low, const Size3& high) {
+TileFinder::TileFinder(const Grid& grid) : bounds_(grid.bounds().grown(rounding_of_places(grid))), corner_(grid.corner()), inset_(grid.spacing * (63.0 / 64)) {
+  const Size3 tiles = DistanceField::tiles_of(grid.size);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    per_tile_[axis] = 1 / (kTileSide * grid.spacing[axis]);
+    last_[axis] = static_cast<double>(tiles[axis] - 1);
+  }
+}
+
+TileFinder::Range TileFinder::around(const Box& box) const {
+  if (!touch(box, bounds_)) return {};
+  Range tiles;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    tiles.low[axis] = at(box.min[axis] + inset_[axis], axis);
+    tiles.high[axis] = at(box.max[axis], axis) + 1;
+  }
+  return tiles;
+}
+
+void DirtyTiles::mark_tiles(const TileFinder::Range& tiles) {
+  const auto& [low, high] = tiles;
   tiles_.set(low, high, 1);
   bricks_.set({low.x / 2, low.y / 2, low.z / 2}, {(high.x + 1) / 2, (high.y + 1) / 2, (high.z + 1) / 2}, 1);
 }
 
-void DirtyTiles::mark(const Box& box) {
-  const SampleRange samples = samples_in(box, grid_);
-  if (samples.empty()) return;
-  Size3 low, high;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = samples.begin[axis] / kTileSide;
-    high[axis] = tiles_along(samples.end[axis]);
-  }
-  mark_tiles(low, high);
+bool DirtyTiles::any_near(const Box& box) const {
+  const auto [low, high] = finder_.around(box);
+  return tiles_.any(low, high);
+}
+
+std::vector<std::uint8_t> DirtyTiles::marks_of(const Grid& window) const {
+  const Size3 size = DistanceField::tiles_of(window.size);
+  const auto first = [&](std::size_t axis) { return (window.first[axis] - grid_.first[axis]) / kTileSide; };
+  std::vector<std::uint8_t> marks;
+  marks.reserve(static_cast<std::size_t>(size.count()));
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      const auto row = tiles_.marks.begin() +
+                       static_cast<std::ptrdiff_t>(tiles_.index(first(0), first(1) + y, first(2) + z));
+      marks.insert(marks.end(), row, row + size.x);
+    }
+  return marks;
 }
 
 void DirtyTiles::mark_row(std::int64_t j, std::int64_t k, std::int64_t begin, std::int64_t end) {
   const Size3 low{begin / kTileSide, j / kTileSide, k / kTileSide};
-  mark_tiles(low, {tiles_along(end), low.y + 1, low.z + 1});
+  mark_tiles({low, {tiles_along(end), low.y + 1, low.z + 1}});
 }
 
 void DirtyTiles::mark_reached(const MeshChange& change, double reach) {
+  const double grow = reach + rounding_of_places(grid_);
   for (const std::uint32_t t : change.triangles)
     for (const MeshView& mesh : {change.before, change.after})
-      if (change.is_in(mesh, t)) mark(triangle_box(mesh, t).grown(reach));
-}
-
-DirtyTiles::Cells DirtyTiles::cells_of(const Grid& window) const {
-  Cells cells;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    cells.low[axis] = (window.first[axis] - grid_.first[axis]) / kTileSide;
-    cells.high[axis] = cells.low[axis] + tiles_along(window.size[axis]);
-  }
-  return cells;
-}
-
-Box DirtyTiles::samples_of(const Size3& low, const Size3& high) const {
-  Size3 first, size;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    first[axis] = kTileSide * low[axis];
-    size[axis] = std::min(kTileSide * high[axis], grid_.size[axis]) - first[axis];
-  }
-  return grid_.window(first, size).bounds();
+      if (change.is_in(mesh, t)) mark_tiles(finder_.around(triangle_box(mesh, t).grown(grow)));
 }
 
 // Takes the first brick that is left, and bricks beside it along x, y and z as far as all of a layer are left.
@@ -180,24 +199,6 @@ namespace {
 
 constexpr std::int32_t kNoWindow = -1;
 
-// The tile of a grid that a coordinate is in, by a product and not by a division. Callers allow for its rounding.
-class TileFinder {
- public:
-  explicit TileFinder(const Grid& grid) : corner_(grid.corner()) {
-    const Size3 tiles = DistanceField::tiles_of(grid.size);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      per_tile_[axis] = 1 / (kTileSide * grid.spacing[axis]);
-      last_[axis] = static_cast<double>(tiles[axis] - 1);
-    }
-  }
-  std::int64_t at(double coordinate, std::size_t axis) const {
-    return static_cast<std::int64_t>(std::clamp((coordinate - corner_[axis]) * per_tile_[axis], 0.0, last_[axis]));
-  }
-
- private:
-  Vec3 corner_, per_tile_, last_;
-};
-
 // Which window has a brick, and which windows a column of bricks along x passes through.
 class WindowMap {
  public:
@@ -205,7 +206,6 @@ class WindowMap {
       : dirty_(dirty),
         windows_(windows),
         bricks_(size_in_bricks(dirty.grid())),
-        finder_(dirty.grid()),
         margin_(rounding_of_places(dirty.grid())),
         reach_(reach) {
     of_brick_.assign(static_cast<std::size_t>(bricks_.count()), kNoWindow);
@@ -221,18 +221,14 @@ class WindowMap {
     if (!touch(box, reached_)) return;
     const double grow = reach_ + margin_;
     const Box grown = box.grown(grow);
-    Size3 low, high;  // tiles, both included
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = finder_.at(grown.min[axis], axis);
-      high[axis] = finder_.at(grown.max[axis], axis);
-    }
-    for (std::int64_t z = low.z / 2; z <= high.z / 2; ++z)
-      for (std::int64_t y = low.y / 2; y <= high.y / 2; ++y)
-        for (std::int64_t x = low.x / 2; x <= high.x / 2; ++x)
+    const auto [low, high] = dirty_.finder().around(grown);
+    for (std::int64_t z = low.z / 2; 2 * z < high.z; ++z)
+      for (std::int64_t y = low.y / 2; 2 * y < high.y; ++y)
+        for (std::int64_t x = low.x / 2; 2 * x < high.x; ++x)
           if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow)
             if (dirty_.any_dirty({std::max(2 * x, low.x), std::max(2 * y, low.y), std::max(2 * z, low.z)},
-                                 {std::min(2 * x + 1, high.x) + 1, std::min(2 * y + 1, high.y) + 1,
-                                  std::min(2 * z + 1, high.z) + 1}))
+                                 {std::min(2 * x + 2, high.x), std::min(2 * y + 2, high.y),
+                                  std::min(2 * z + 2, high.z)}))
               use(window);
   }
   // The same for windows whose rows may cross the box.
@@ -242,18 +238,13 @@ class WindowMap {
         box.min.z > crossed_.max.z || box.max.z < crossed_.min.z)
       return;
     const Box grown = box.grown(margin_);
-    for (std::int64_t z = finder_.at(grown.min.z, 2) / 2, z_end = finder_.at(grown.max.z, 2) / 2; z <= z_end; ++z)
-      for (std::int64_t y = finder_.at(grown.min.y, 1) / 2, y_end = finder_.at(grown.max.y, 1) / 2; y <= y_end; ++y)
+    for (std::int64_t z = dirty_.finder().at(grown.min.z, 2) / 2, z_end = dirty_.finder().at(grown.max.z, 2) / 2; z <= z_end; ++z)
+      for (std::int64_t y = dirty_.finder().at(grown.min.y, 1) / 2, y_end = dirty_.finder().at(grown.max.y, 1) / 2; y <= y_end; ++y)
         for (const std::int32_t window : of_column_[static_cast<std::size_t>(y + bricks_.y * z)])
           if (grown.min.x <= windows_[static_cast<std::size_t>(window)].bounds().max.x) use(window);
   }
 
  private:
-  static bool touch(const Box& a, const Box& b) {
-    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
-           b.min.z <= a.max.z;
-  }
-
   void add(const Grid& grid, std::size_t w) {
     const Grid& window = windows_[w];
     Size3 low, high;
@@ -277,7 +268,6 @@ class WindowMap {
   const DirtyTiles& dirty_;
   std::span<const Grid> windows_;
   Size3 bricks_;
-  TileFinder finder_;
   double margin_, reach_;
   Box reached_, crossed_;
   std::vector<std::int32_t> of_brick_;

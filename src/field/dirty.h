@@ -33,6 +33,29 @@ MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint3
 /// What the place of a point beside samples may be off by, rounded several times, with a wide margin. World units.
 double rounding_of_places(const Grid& grid);
 
+/// The tile of a grid that a coordinate is in, by a product and not by a division. Callers allow for its rounding
+/// (rounding_of_places).
+class TileFinder {
+ public:
+  /// Tiles low to high - 1.
+  struct Range {
+    Size3 low, high;
+  };
+
+  explicit TileFinder(const Grid& grid);
+  /// The nearest tile, where the coordinate is beside the grid.
+  std::int64_t at(double coordinate, std::size_t axis) const {
+    return static_cast<std::int64_t>(std::clamp((coordinate - corner_[axis]) * per_tile_[axis], 0.0, last_[axis]));
+  }
+  /// The tiles with samples in a box, and a few more.
+  Range around(const Box& box) const;
+
+ private:
+  Box bounds_;
+  Vec3 corner_, per_tile_, last_;
+  Vec3 inset_;  // from a tile's last sample almost to the next tile's first one
+};
+
 /// The tiles of a grid, some of them dirty, and the bricks that these are in. One byte each, a quarter of what the
 /// field's slots take, and an eighth of that.
 class DirtyTiles {
@@ -41,8 +64,7 @@ class DirtyTiles {
   explicit DirtyTiles(const Grid& grid);
 
   const Grid& grid() const { return grid_; }
-  /// The tiles with samples in the box.
-  void mark(const Box& box);
+  const TileFinder& finder() const { return finder_; }
   /// The tiles with samples begin to end - 1 of row (j, k).
   void mark_row(std::int64_t j, std::int64_t k, std::int64_t begin, std::int64_t end);
   /// Those with samples within `reach` of a changed triangle's box, before or after.
@@ -51,6 +73,10 @@ class DirtyTiles {
   bool is_dirty(const Size3& tile) const { return tiles_.at(tile) != 0; }
   /// Whether some of the tiles low to high - 1 is.
   bool any_dirty(const Size3& low, const Size3& high) const { return tiles_.any(low, high); }
+  /// Whether some of the tiles with samples in the box is, or of a few more.
+  bool any_near(const Box& box) const;
+  /// A byte for each tile of a window, x fastest: 1 where it is dirty.
+  std::vector<std::uint8_t> marks_of(const Grid& window) const;
   /// How many are dirty.
   std::int64_t count() const { return tiles_.count(); }
   /// How many bricks have dirty tiles, and how many there are.
@@ -58,22 +84,8 @@ class DirtyTiles {
   std::int64_t all_bricks() const { return std::ssize(bricks_.marks); }
   /// Windows of all bricks with dirty tiles and of no others. They do not overlap.
   std::vector<Grid> windows() const;
-  /// Calls use(box) for boxes that hold all samples of dirty tiles of a window: one of the window, or of each brick or
-  /// tile.
-  template <class Use>
-  void each_box(const Grid& window, const Use& use) const {
-    const Cells all = cells_of(window);
-    if (tiles_.all(all.low, all.high)) return use(window.bounds());
-    for (Size3 at = all.low; at.z < all.high.z; at.z += 2)
-      for (at.y = all.low.y; at.y < all.high.y; at.y += 2)
-        for (at.x = all.low.x; at.x < all.high.x; at.x += 2) each_box_of_brick(at, use);
-  }
 
  private:
-  // Cells of a box: tiles or bricks low to high - 1.
-  struct Cells {
-    Size3 low, high;
-  };
   // A byte for each cell of a box, x fastest.
   struct Marks {
     Size3 size;
@@ -91,21 +103,10 @@ class DirtyTiles {
     std::int64_t count() const { return std::ranges::count(marks, std::uint8_t{1}); }
   };
 
-  void mark_tiles(const Size3& low, const Size3& high);
-  Cells cells_of(const Grid& window) const;
-  Box samples_of(const Size3& low, const Size3& high) const;
-  template <class Use>
-  void each_box_of_brick(const Size3& low, const Use& use) const {
-    const Size3 high{std::min(low.x + 2, tiles_.size.x), std::min(low.y + 2, tiles_.size.y),
-                     std::min(low.z + 2, tiles_.size.z)};
-    if (tiles_.all(low, high)) return use(samples_of(low, high));
-    for (Size3 at = low; at.z < high.z; ++at.z)
-      for (at.y = low.y; at.y < high.y; ++at.y)
-        for (at.x = low.x; at.x < high.x; ++at.x)
-          if (is_dirty(at)) use(samples_of(at, {at.x + 1, at.y + 1, at.z + 1}));
-  }
+  void mark_tiles(const TileFinder::Range& tiles);
 
   Grid grid_;
+  TileFinder finder_;
   Marks tiles_, bricks_;
 };
 

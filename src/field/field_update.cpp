@@ -286,6 +286,7 @@ void FieldUpdate::compute(const WindowTriangles& triangles, const Grid& window, 
   };
   ProgressMeter meter(check);
   Sink sink(field);
+  const std::vector<std::uint8_t> wanted = dirty_->marks_of(window);
   row.run({.mesh = after_,
            .kept = triangles.near,
            .grid = window,
@@ -293,7 +294,8 @@ void FieldUpdate::compute(const WindowTriangles& triangles, const Grid& window, 
            .threads = plan_->threads,
            .simd = options_.execution.simd,
            .progress = meter,
-           .devices = plan_->devices},
+           .devices = plan_->devices,
+           .wanted = wanted},
           sink);
 }
 

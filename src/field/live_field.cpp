@@ -18,6 +18,7 @@
 #include "field/field_update.h"
 #include "field/mesh_parts.h"
 #include "field/prepare.h"
+#include "geometry/triangle_box.h"
 #include "standoff/update.h"
 
 namespace standoff {
@@ -94,10 +95,9 @@ class KeptFacts final : public MeshFacts {
     std::vector<WindowTriangles> all(windows.size());
     const double margin = rounding_of_places(grid);
     tbb::parallel_for(std::size_t{0}, windows.size(), [&](std::size_t n) {
-      std::vector<std::uint32_t>& near = all[n].near;
-      dirty.each_box(windows[n], [&](const Box& box) { parts_->add_touching(box.grown(margin + reach), near); });
-      std::ranges::sort(near);
-      near.erase(std::unique(near.begin(), near.end()), near.end());
+      all[n].near = parts_->touching(windows[n].bounds().grown(margin + reach), [&](std::uint32_t triangle) {
+        return dirty.any_near(triangle_box(mesh_, triangle).grown(margin + reach));
+      });
       if (!with_crossed) return;
       Box box = windows[n].bounds().grown(margin);
       box.min.x = -std::numeric_limits<double>::infinity();

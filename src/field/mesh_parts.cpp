@@ -39,15 +39,20 @@ FloatBox MeshParts::local(const Box& box) const {
   return made;
 }
 
-std::vector<std::uint32_t> MeshParts::touching(const Box& box) const {
-  std::vector<std::uint32_t> found;
-  add_touching(box, found);
-  std::ranges::sort(found);
-  return found;
+void MeshParts::sort_ascending(std::vector<std::uint32_t>& triangles) {
+  constexpr std::size_t kMany = 4096;
+  if (triangles.size() < kMany) {
+    std::ranges::sort(triangles);
+    return;
+  }
+  std::vector<KeyedIndex> keyed(triangles.size());
+  std::ranges::transform(triangles, keyed.begin(), [](std::uint32_t t) { return KeyedIndex{t, t}; });
+  radix_sort(keyed, 1);
+  std::ranges::transform(keyed, triangles.begin(), &KeyedIndex::index);
 }
 
-void MeshParts::add_touching(const Box& box, std::vector<std::uint32_t>& to) const {
-  for_each_overlap(bvh_, local(box), [&](std::uint32_t place) { to.push_back(bvh_.order()[place]); });
+std::vector<std::uint32_t> MeshParts::touching(const Box& box) const {
+  return touching(box, [](std::uint32_t) { return true; });
 }
 
 bool MeshParts::touch(const Box& box) const {

@@ -2,6 +2,7 @@
 // The triangles of parts of space, found in logarithmic time: windows of a grid look at no others.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,13 +31,22 @@ class MeshParts {
 
   /// The triangles whose boxes touch this one, ascending; a few more may be among them. The box may be infinite.
   std::vector<std::uint32_t> touching(const Box& box) const;
-  /// Adds them to others, in no order.
-  void add_touching(const Box& box, std::vector<std::uint32_t>& to) const;
+  /// Those of them for which counts(triangle) is true.
+  template <class Counts>
+  std::vector<std::uint32_t> touching(const Box& box, const Counts& counts) const {
+    std::vector<std::uint32_t> found;
+    for_each_overlap(bvh_, local(box), [&](std::uint32_t place) {
+      if (counts(bvh_.order()[place])) found.push_back(bvh_.order()[place]);
+    });
+    sort_ascending(found);
+    return found;
+  }
   /// Whether there are any.
   bool touch(const Box& box) const;
 
  private:
   FloatBox local(const Box& box) const;
+  static void sort_ascending(std::vector<std::uint32_t>& triangles);
 
   Bvh bvh_;
   std::vector<std::uint32_t> place_of_;  // by triangle; for follow()
