@@ -85,7 +85,8 @@ nlohmann::json run(const Workload& work, double share, double height, const std:
     live.field();
     read.push_back(read_clock.wall());
   }
-  if (!same(field, whole) || !same(live.field(), whole)) throw Error(ErrorCode::internal, "update: the updated field differs from the field anew");
+  if (!same(field, whole) || !same(live.field(), whole))
+    throw Error(ErrorCode::internal, "update: the updated field differs from the field anew");
   line["anew_s"] = bench::median(anew);
   line["update_s"] = bench::median(update);
   line["anew_cpu_s"] = bench::median(anew_cpu);

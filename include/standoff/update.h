@@ -59,8 +59,8 @@ STANDOFF_API std::vector<std::uint32_t> changed_triangles(MeshView before, MeshV
 STANDOFF_API UpdateReport update_field(MeshView before, MeshView after, std::span<const std::uint32_t> changed,
                                        DistanceField& field, const ComputeOptions& options = {});
 
-/// A field that follows its mesh, whose vertices move again and again. It has the bits that compute() gives for the mesh
-/// as it is:
+/// A field that follows its mesh, whose vertices move again and again. It has the bits that compute() gives for the
+/// mesh as it is:
 ///
 ///     LiveField live(mesh, grid, thickness, options);
 ///     live.move(vertices, positions);
@@ -89,8 +89,8 @@ class STANDOFF_API LiveField {
   /// The mesh as it is now; valid until the next call of move().
   MeshView mesh() const;
   /// The field of the mesh as it is now; valid until the next call of move(). The first call after the mesh moved takes
-  /// a pass over the mesh for the provenance's hash, unless ComputeOptions::hash_mesh is off. Errors: as compute(), where
-  /// the field was lost in an update that failed.
+  /// a pass over the mesh for the provenance's hash, unless ComputeOptions::hash_mesh is off. Errors: as compute(),
+  /// where the field was lost in an update that failed.
   const DistanceField& field();
   /// Of the constructor's computation.
   const ComputeReport& report() const;

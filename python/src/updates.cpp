@@ -57,7 +57,8 @@ nb::tuple update(const DistanceField& field, const VertexInput& vertices_before,
 // One call at a time: others wait for it, without the interpreter's lock.
 class Live {
  public:
-  Live(const VertexInput& vertices, const FaceInput& faces, const Grid& grid, double thickness, ComputeOptions options) {
+  Live(const VertexInput& vertices, const FaceInput& faces, const Grid& grid, double thickness,
+       ComputeOptions options) {
     options.progress = [this](const Progress& now) { return !report_ || report_(now); };
     watched_call(nb::none(),
                  [&] { live_ = std::make_unique<LiveField>(view_of(vertices, faces), grid, thickness, options); });

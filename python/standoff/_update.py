@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._checks import flag, name, numbers, runs_on
+from ._arrays import numbers
+from ._checks import flag, name, runs_on
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
@@ -157,17 +158,20 @@ class LiveField:
             UsageError, ValueError, TypeError: `vertices` are no indices of the mesh, or there are other numbers of
                 positions.
             MeshError, LimitError: as `field`, of the mesh as it would be. The mesh and the field are then as before.
-            KeyboardInterrupt: Ctrl-C, within 0.1 s.
+            KeyboardInterrupt: Ctrl-C, within 0.1 s. After it, and what `progress` raises, `mesh` says whether the
+                vertices have moved: they have where the work was done already.
         """
         chosen = indices(vertices, "vertices", self._count)
         places = np.ascontiguousarray(numbers(positions, "positions"), dtype=np.float64)
         if places.size == 0 and len(chosen) == 0:
             places = places.reshape(0, 3)
         if places.shape != (len(chosen), 3):
-            raise ValueError(f"positions: must have the shape ({len(chosen)}, 3), one for each vertex, not {places.shape}")
+            raise ValueError(
+                f"positions: must have the shape ({len(chosen)}, 3), one for each vertex, not {places.shape}"
+            )
+        self._made = None
         with progress_of(progress, "update") as report:
             done = self._live.move(chosen, places, report)
-        self._made = None
         self._sign = sign_report(done.pop("sign"), self._asked, stacklevel=2)
         return done
 

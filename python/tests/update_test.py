@@ -117,8 +117,11 @@ def test_live_field_errors(meshes):
         live.move(moved[:1], [[np.nan, 0, 0]])
     with pytest.raises(TypeError, match="vertices"):
         live.move([0.5], [[0, 0, 0]])
+    assert np.array_equal(live.mesh.vertices, vertices) and same(live.field, before)
     with pytest.raises(ZeroDivisionError):
         live.move(moved, after[moved], progress=lambda stage, fraction: 1 // 0)
-    assert np.array_equal(live.mesh.vertices, vertices) and same(live.field, before)
+    assert same(live.field, so.field(live.mesh, grid=live.grid, thickness=live.thickness))
+    live.move(moved, vertices[moved])
+    assert same(live.field, before)
     with pytest.raises(so.LimitError):
         so.LiveField((vertices, faces), memory_limit=1000, **OPTIONS)

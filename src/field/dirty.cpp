@@ -111,7 +111,10 @@ bool DirtyTiles::Marks::has(const Size3& low, const Size3& high, std::uint8_t ma
 DirtyTiles::DirtyTiles(const Grid& grid)
     : grid_(grid), finder_(grid), tiles_(DistanceField::tiles_of(grid.size)), bricks_(size_in_bricks(grid)) {}
 
-TileFinder::TileFinder(const Grid& grid) : bounds_(grid.bounds().grown(rounding_of_places(grid))), corner_(grid.corner()), inset_(grid.spacing * (63.0 / 64)) {
+TileFinder::TileFinder(const Grid& grid)
+    : bounds_(grid.bounds().grown(rounding_of_places(grid))),
+      corner_(grid.corner()),
+      inset_(grid.spacing * (63.0 / 64)) {
   const Size3 tiles = DistanceField::tiles_of(grid.size);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     per_tile_[axis] = 1 / (kTileSide * grid.spacing[axis]);
@@ -147,8 +150,8 @@ std::vector<std::uint8_t> DirtyTiles::marks_of(const Grid& window) const {
   marks.reserve(static_cast<std::size_t>(size.count()));
   for (std::int64_t z = 0; z < size.z; ++z)
     for (std::int64_t y = 0; y < size.y; ++y) {
-      const auto row = tiles_.marks.begin() +
-                       static_cast<std::ptrdiff_t>(tiles_.index(first(0), first(1) + y, first(2) + z));
+      const auto row =
+          tiles_.marks.begin() + static_cast<std::ptrdiff_t>(tiles_.index(first(0), first(1) + y, first(2) + z));
       marks.insert(marks.end(), row, row + size.x);
     }
   return marks;
@@ -226,9 +229,9 @@ class WindowMap {
       for (std::int64_t y = low.y / 2; 2 * y < high.y; ++y)
         for (std::int64_t x = low.x / 2; 2 * x < high.x; ++x)
           if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow)
-            if (dirty_.any_dirty({std::max(2 * x, low.x), std::max(2 * y, low.y), std::max(2 * z, low.z)},
-                                 {std::min(2 * x + 2, high.x), std::min(2 * y + 2, high.y),
-                                  std::min(2 * z + 2, high.z)}))
+            if (dirty_.any_dirty(
+                    {std::max(2 * x, low.x), std::max(2 * y, low.y), std::max(2 * z, low.z)},
+                    {std::min(2 * x + 2, high.x), std::min(2 * y + 2, high.y), std::min(2 * z + 2, high.z)}))
               use(window);
   }
   // The same for windows whose rows may cross the box.
@@ -238,8 +241,10 @@ class WindowMap {
         box.min.z > crossed_.max.z || box.max.z < crossed_.min.z)
       return;
     const Box grown = box.grown(margin_);
-    for (std::int64_t z = dirty_.finder().at(grown.min.z, 2) / 2, z_end = dirty_.finder().at(grown.max.z, 2) / 2; z <= z_end; ++z)
-      for (std::int64_t y = dirty_.finder().at(grown.min.y, 1) / 2, y_end = dirty_.finder().at(grown.max.y, 1) / 2; y <= y_end; ++y)
+    for (std::int64_t z = dirty_.finder().at(grown.min.z, 2) / 2, z_end = dirty_.finder().at(grown.max.z, 2) / 2;
+         z <= z_end; ++z)
+      for (std::int64_t y = dirty_.finder().at(grown.min.y, 1) / 2, y_end = dirty_.finder().at(grown.max.y, 1) / 2;
+           y <= y_end; ++y)
         for (const std::int32_t window : of_column_[static_cast<std::size_t>(y + bricks_.y * z)])
           if (grown.min.x <= windows_[static_cast<std::size_t>(window)].bounds().max.x) use(window);
   }

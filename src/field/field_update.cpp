@@ -61,8 +61,7 @@ class TileMerge {
     const bool is_new = !is_stored(at);
     bool changed = put(tile_of(window.values, slot),
                        is_new ? field_.store_tile(at.x, at.y, at.z) : field_.edit_tile(at.x, at.y, at.z));
-    if (field_.has_nearest())
-      changed |= put(tile_of(window.nearest, slot), field_.store_nearest(at.x, at.y, at.z));
+    if (field_.has_nearest()) changed |= put(tile_of(window.nearest, slot), field_.store_nearest(at.x, at.y, at.z));
     changed_ += changed || is_new;
   }
   // Returns whether other bits were there.
@@ -127,7 +126,7 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
   if (!anew.empty()) {
     compute_anew(std::move(anew));
     report_.seconds.compute = watch.lap();
-    return report_;
+    return std::move(report_);
   }
   threads.run([&] {
     progress_.stage("gather", static_cast<std::int64_t>(windows_.size()), 0.1, 0.9);
@@ -144,7 +143,7 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
     merge();
   });
   report_.seconds.merge = watch.lap();
-  return report_;
+  return std::move(report_);
 }
 
 namespace {
@@ -210,8 +209,8 @@ std::string FieldUpdate::find_change(std::span<const std::uint32_t> changed) {
   facts_.check(change_, whole);
   if (by_rows(options_.sign.method)) {
     const MeshPart were({before_}, change_.in(before_)), are({after_}, change_.in(after_));
-    const double bytes = RowCrossings::expected_bytes(were.oriented(), grid) +
-                         RowCrossings::expected_bytes(are.oriented(), grid);
+    const double bytes =
+        RowCrossings::expected_bytes(were.oriented(), grid) + RowCrossings::expected_bytes(are.oriented(), grid);
     constexpr double kShare = 0.125;
     if (const auto limit = static_cast<double>(memory_limit_of(options_)); limit != 0 && bytes > kShare * limit)
       return "the crossings of rows with triangles that changed would take too much memory";
@@ -226,9 +225,8 @@ std::string FieldUpdate::find_windows() {
   plan_ = make_plan(std::ssize(after_.triangles), grid, field_.thickness(), options_, false);
   DirtyTiles& dirty = dirty_.emplace(grid);
   dirty.mark_reached(change_, reach_beyond_rounding(grid, plan_->thickness));
-  crossings_.each_changed([&](std::int64_t j, std::int64_t k, std::int64_t begin, std::int64_t end) {
-    dirty.mark_row(j, k, begin, end);
-  });
+  crossings_.each_changed(
+      [&](std::int64_t j, std::int64_t k, std::int64_t begin, std::int64_t end) { dirty.mark_row(j, k, begin, end); });
   if (2 * dirty.bricks() > dirty.all_bricks()) return "more than half of the grid may change";
   for (const Grid& window : dirty.windows()) windows_.push_back({window, {}, {}, {}});
   report_.windows = std::ssize(windows_);
@@ -256,8 +254,7 @@ std::string FieldUpdate::decide_sign() {
     if (!closed.unoriented) return "the mesh is not closed, or was not";
     sign_ = plan_of_closed(asked);
   } else {
-    if (!closed.oriented)
-      return "the mesh is not closed, or was not, so that its sign is decided for the whole field";
+    if (!closed.oriented) return "the mesh is not closed, or was not, so that its sign is decided for the whole field";
     if (!options_.sign.as_oriented && !facts_.faces_outwards(change_))
       return "parts of the mesh may be inside out or nested, which is decided for the whole mesh";
     sign_ = plan_of_closed(SignMethod::winding);
@@ -311,6 +308,7 @@ void FieldUpdate::sign(const WindowTriangles& triangles, DistanceField& field) {
 }
 
 void FieldUpdate::merge() {
+  report_.sign = std::move(sign_.report);  // nothing may fail once the field has changed
   Provenance provenance = field_.provenance();
   provenance.mesh_hash = hash_;
   try {
@@ -323,7 +321,6 @@ void FieldUpdate::merge() {
   }
   field_.set_provenance(std::move(provenance));
   report_.tiles_stored = field_.stored_tiles();
-  report_.sign = sign_.report;
 }
 
 void FieldUpdate::compute_anew(std::string why) {

@@ -43,8 +43,8 @@ class MeshFacts {
     return nullptr;
   }
   /// As standoff::triangles_of(), of the mesh after.
-  virtual std::vector<WindowTriangles> triangles_of(const DirtyTiles& dirty, std::span<const Grid> windows, double reach,
-                                                    bool with_crossed, ProgressMeter& progress) = 0;
+  virtual std::vector<WindowTriangles> triangles_of(const DirtyTiles& dirty, std::span<const Grid> windows,
+                                                    double reach, bool with_crossed, ProgressMeter& progress) = 0;
 };
 
 class FieldUpdate {
@@ -83,9 +83,7 @@ class FieldUpdate {
   Size3 largest_window() const;
 
   static bool by_rows(SignMethod method) { return method != SignMethod::none && method != SignMethod::shell; }
-  WindingRule rule() const {
-    return sign_.report.method == SignMethod::parity ? WindingRule::odd : options_.sign.rule;
-  }
+  WindingRule rule() const { return sign_.report.method == SignMethod::parity ? WindingRule::odd : options_.sign.rule; }
 
   const MeshView before_, after_;
   MeshFacts& facts_;

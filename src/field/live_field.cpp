@@ -175,7 +175,10 @@ ComputeOptions options_beside(const MeshView& mesh, ComputeOptions options) {
 class LiveField::Work {
  public:
   Work(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options)
-      : hashes_(options.hash_mesh), grid_(grid), thickness_(thickness), options_(checked(mesh, grid, thickness, options)) {
+      : hashes_(options.hash_mesh),
+        grid_(grid),
+        thickness_(thickness),
+        options_(checked(mesh, grid, thickness, options)) {
     now_ = copy_of(mesh);
     before_ = now_.vertices;
     triangles_of_.emplace(now_);
@@ -193,7 +196,7 @@ class LiveField::Work {
     try {
       if (!facts_) facts_.emplace(now_, memory_limit_of(options_));
       const MeshView before{before_, now_.triangles};
-      const UpdateReport report = FieldUpdate(before, now_, *facts_, field_, options_).run(changed);
+      UpdateReport report = FieldUpdate(before, now_, *facts_, field_, options_).run(changed);
       if (!facts_->take_follows()) facts_.reset();  // it was computed anew before they were told
       for (const std::uint32_t vertex : vertices) before_[vertex] = now_.vertices[vertex];
       return report;
@@ -211,8 +214,7 @@ class LiveField::Work {
     make_field();
     if (hashes_ && field_.provenance().mesh_hash == 0) {
       Provenance provenance = field_.provenance();
-      provenance.mesh_hash =
-          Threads(options_.execution.threads).run([&] { return content_hash(now_); });
+      provenance.mesh_hash = Threads(options_.execution.threads).run([&] { return content_hash(now_); });
       field_.set_provenance(std::move(provenance));
     }
     return field_;

@@ -72,7 +72,7 @@ class OutwardSums {
   };
   // Of the triangles that share vertices. Integers are multiples of 2^unit.
   struct Set {
-    Vec3 origin;         // volumes are relative to it
+    Vec3 origin;          // volumes are relative to it
     std::uint32_t first;  // the lowest vertex
     std::uint32_t runs = 0, triangles_with_area = 0;
     int volume_unit = 0, normal_unit = 0;
