@@ -296,6 +296,50 @@ TEST(LiveField, PartsTurnAndScale) {
   }
 }
 
+// A mesh that tears is open until it heals: both steps change signs far away.
+TEST(LiveField, TearsAndHeals) {
+  for (const SignMethod method : {SignMethod::winding, SignMethod::none}) {
+    const ComputeOptions options = by(method, method == SignMethod::winding);
+    const Mesh mesh = unwelded_ball();
+    LiveField live(mesh, kGrid, 0.06, options);
+    for (int n = 0; n < 3; ++n) {
+      std::vector<std::uint32_t> vertices(3 * (1 + static_cast<std::size_t>(n)));
+      std::iota(vertices.begin(), vertices.end(), 30u * static_cast<std::uint32_t>(n));
+      std::vector<Vec3> away, back;
+      for (const std::uint32_t v : vertices) {
+        back.push_back(mesh.vertices[v]);
+        away.push_back(mesh.vertices[v] + Vec3{0.2, 0.1, 0.3});
+      }
+      EXPECT_EQ(live.move(vertices, away).anew, method == SignMethod::winding);
+      expect_as_computed(live, kGrid, 0.06, options);
+      EXPECT_EQ(live.move(vertices, back).anew, method == SignMethod::winding);
+      expect_as_computed(live, kGrid, 0.06, options);
+      const Move move = bump(live.mesh(), mesh.vertices[100], 0.2, {0.02, 0.01, 0});
+      EXPECT_FALSE(live.move(move.vertices, move.positions).anew);
+      expect_as_computed(live, kGrid, 0.06, options);
+      live.move(vertices, back);
+    }
+  }
+}
+
+// After all of it moved, a part of it does.
+TEST(LiveField, AllMoves) {
+  for (const SignMethod method : {SignMethod::automatic, SignMethod::none}) {
+    const ComputeOptions options = by(method);
+    LiveField live(ball(), kGrid, 0.06, options);
+    Move all;
+    for (std::uint32_t v = 0; v < live.mesh().vertices.size(); ++v) {
+      all.vertices.push_back(v);
+      all.positions.push_back(live.mesh().vertices[v] + Vec3{0.1, 0.05, -0.1});
+    }
+    EXPECT_TRUE(live.move(all.vertices, all.positions).anew);
+    expect_as_computed(live, kGrid, 0.06, options);
+    const Move move = bump(live.mesh(), live.mesh().vertices[20], 0.2, {0.02, 0.01, 0});
+    EXPECT_FALSE(live.move(move.vertices, move.positions).anew);
+    expect_as_computed(live, kGrid, 0.06, options);
+  }
+}
+
 TEST(LiveField, NothingMoves) {
   const ComputeOptions options = by(SignMethod::automatic);
   LiveField live(ball(), kGrid, 0.1, options);
