@@ -70,7 +70,7 @@ STANDOFF_API UpdateReport update_field(MeshView before, MeshView after, std::spa
 /// hierarchy of boxes over the triangles, where the grid's rows cross them, and sums that decide the sign. Where all
 /// must be computed anew, it is (UpdateReport::why).
 ///
-/// Takes some 120 bytes a triangle, besides the field, for a copy of the mesh and the rest; the memory limit counts
+/// Takes some 90 bytes a triangle besides the field where triangles share vertices, else more; the memory limit counts
 /// them. One call at a time.
 class STANDOFF_API LiveField {
  public:

@@ -60,7 +60,7 @@ class LiveField:
     """A field that follows its mesh, whose vertices move again and again, bit for bit as `field` computes it.
 
     What updates have in common is kept, so that one takes the time of what changes, however large the mesh is.
-    docs/update.md says what is computed again, and when all is. Takes some 120 bytes a triangle besides the field.
+    docs/update.md says what is computed again, and when all is. Takes some 90 bytes a triangle besides the field.
 
     Args:
         mesh: as for `field`; on the CPU. It is copied.

@@ -20,7 +20,7 @@
 #include "tests/support/sanitized.h"
 #include "tests/support/welded_ball.h"
 
-namespace standoff::testing {
+namespace standoff::testing::live_field {
 namespace {
 
 const Vec3 kPlace{1000.1, -20000.3, 0.7};  // far from the origin
@@ -211,7 +211,7 @@ std::vector<Case> cases() {
 
 TEST(LiveField, AnyMovesInSequence) {
   for (const Case& one : cases()) {
-    const int moves = !one.is_local ? 5 : kSanitized ? 10 : 200;
+    const int moves = !one.is_local ? 3 : kSanitized ? 10 : 200;
     int local = 0;
     SCOPED_TRACE(one.name);
     Random random(7);
@@ -229,7 +229,7 @@ TEST(LiveField, AnyMovesInSequence) {
       EXPECT_EQ(report.why.empty(), !report.anew);
       EXPECT_LE(report.tiles_changed, report.tiles_computed);
       local += !report.anew;
-      expect_as_computed(live, kGrid, one.thickness, one.options);
+      if (n < 30 || n % 5 == 4) expect_as_computed(live, kGrid, one.thickness, one.options);
       if (::testing::Test::HasFailure()) FAIL() << "at move " << n;
     }
     if (one.is_local) {
@@ -433,4 +433,4 @@ TEST(LiveField, MovesAsAnObject) {
 }
 
 }  // namespace
-}  // namespace standoff::testing
+}  // namespace standoff::testing::live_field
