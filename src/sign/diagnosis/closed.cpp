@@ -268,9 +268,10 @@ namespace {
 // 2^32 terms of the largest size still add up to less than 2^127.
 constexpr int kFixedBits = 80, kMostFixedBits = 94;
 
-// x / 2^unit, rounded down. Nothing if that is 2^kMostFixedBits or more.
+// x / 2^unit, rounded down. Nothing if that is 2^kMostFixedBits or more, or no number.
 std::optional<__int128> fixed(double x, int unit) {
   if (x == 0) return 0;
+  if (!std::isfinite(x)) return std::nullopt;
   int exponent;
   const double fraction = std::frexp(x, &exponent);
   const auto digits = static_cast<std::int64_t>(std::ldexp(fraction, 53));
@@ -280,7 +281,9 @@ std::optional<__int128> fixed(double x, int unit) {
   return shift > -63 ? digits >> -shift : digits >> 63;
 }
 
-int unit_for(double magnitude) { return magnitude > 0 ? std::ilogb(magnitude) - kFixedBits : 0; }
+int unit_for(double magnitude) {
+  return magnitude > 0 && std::isfinite(magnitude) ? std::ilogb(magnitude) - kFixedBits : 0;
+}
 
 double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<double>(count), unit); }
 
