@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An update of a field after a part of its mesh moved, beside computing the field anew: seconds of both, taken by turns
-// in one process.
+// An update of a field after a part of its mesh moved, by passes over the mesh and by a LiveField, beside computing the
+// field anew: seconds of all, taken by turns in one process.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -52,10 +52,16 @@ nlohmann::json run(const Workload& work, double share, double height, const std:
   options.sign.as_oriented = sign == "as-oriented";
   const Mesh other = moved(work.mesh, share, height * work.grid.max_spacing());
   const Mesh* meshes[] = {&work.mesh, &other};
-  std::vector<double> anew, update, find, anew_cpu, update_cpu;
+  std::vector<double> anew, update, find, live_move, read, anew_cpu, update_cpu, live_cpu;
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < other.vertices.size(); ++v)
+    if (!(other.vertices[v] == work.mesh.vertices[v])) vertices.push_back(v);
+  const bench::Clock make_clock;
+  LiveField live(work.mesh, work.grid, work.thickness, options);
+  line["make_live_s"] = make_clock.wall();
   DistanceField whole, field = compute(work.mesh, work.grid, work.thickness, options).field;
   compute_into(work.mesh, work.grid, work.thickness, whole, options);
-  UpdateReport report;
+  UpdateReport report, live_report;
   for (int turn = 0; turn < work.repeats; ++turn) {
     const Mesh &before = *meshes[turn % 2], &after = *meshes[(turn + 1) % 2];
     const bench::Clock compute_clock;
@@ -69,12 +75,28 @@ nlohmann::json run(const Workload& work, double share, double height, const std:
     report = update_field(before, after, changed, field, options);
     update.push_back(update_clock.wall());
     update_cpu.push_back(update_clock.processor());
+    std::vector<Vec3> positions;
+    for (const std::uint32_t v : vertices) positions.push_back(after.vertices[v]);
+    const bench::Clock move_clock;
+    live_report = live.move(vertices, positions);
+    live_move.push_back(move_clock.wall());
+    live_cpu.push_back(move_clock.processor());
+    const bench::Clock read_clock;
+    live.field();
+    read.push_back(read_clock.wall());
   }
-  if (!same(field, whole)) throw Error(ErrorCode::internal, "update: the updated field differs from the field anew");
+  if (!same(field, whole) || !same(live.field(), whole))
+    throw Error(ErrorCode::internal, "update: the updated field differs from the field anew");
   line["anew_s"] = bench::median(anew);
   line["update_s"] = bench::median(update);
   line["anew_cpu_s"] = bench::median(anew_cpu);
   line["update_cpu_s"] = bench::median(update_cpu);
+  line["live_s"] = bench::median(live_move);
+  line["live_cpu_s"] = bench::median(live_cpu);
+  line["field_s"] = bench::median(read);
+  line["live_tiles_computed"] = live_report.tiles_computed;
+  line["live_seconds"] = {live_report.seconds.prepare, live_report.seconds.compute, live_report.seconds.sign,
+                          live_report.seconds.merge};
   line["find_s"] = bench::median(find);
   line["changed"] = report.triangles_changed;
   line["windows"] = report.windows;

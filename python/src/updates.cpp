@@ -2,7 +2,8 @@
 // Fields of meshes of which a part moved.
 #include "standoff/update.h"
 
-#include <algorithm>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -53,12 +54,79 @@ nb::tuple update(const DistanceField& field, const VertexInput& vertices_before,
   return nb::make_tuple(std::move(made), dict_of(done, seconds));
 }
 
+// One call at a time: others wait for it, without the interpreter's lock.
+class Live {
+ public:
+  Live(const VertexInput& vertices, const FaceInput& faces, const Grid& grid, double thickness,
+       ComputeOptions options) {
+    options.progress = [this](const Progress& now) { return !report_ || report_(now); };
+    watched_call(nb::none(),
+                 [&] { live_ = std::make_unique<LiveField>(view_of(vertices, faces), grid, thickness, options); });
+  }
+
+  nb::dict move(const IndexInput& vertices, const PointInput& positions, const nb::object& progress) {
+    UpdateReport done;
+    double seconds = 0;
+    watched_call(progress, [&] {
+      const Timed timed(seconds);
+      done = live_->move({vertices.data(), vertices.size()}, points_of(positions));
+    });
+    return dict_of(done, seconds);
+  }
+  DistanceField field() {
+    DistanceField copy;
+    watched_call(nb::none(), [&] { copy = live_->field(); });
+    return copy;
+  }
+  nb::object vertices() {
+    std::vector<Vec3> copy;
+    watched_call(nb::none(), [&] { copy.assign(live_->mesh().vertices.begin(), live_->mesh().vertices.end()); });
+    return array_over<double>(std::move(copy));
+  }
+  nb::dict sign() const { return sign_dict(live_->report().sign); }
+
+ private:
+  template <class Call>
+  void watched_call(const nb::object& progress, const Call& call) {
+    run_watched(progress, [&](const ProgressCallback& report) {
+      const std::lock_guard one_call(calling_);
+      report_ = report;
+      try {
+        call();
+      } catch (...) {
+        report_ = nullptr;
+        throw;
+      }
+      report_ = nullptr;
+    });
+  }
+
+  std::mutex calling_;
+  ProgressCallback report_;  // of the call at work
+  std::unique_ptr<LiveField> live_;
+};
+
 }  // namespace
 
 void add_updates(nb::module_& m) {
   m.def("update", &update, "field"_a, "vertices_before"_a.noconvert(), "faces_before"_a.noconvert(),
         "vertices"_a.noconvert(), "faces"_a.noconvert(), "changed"_a.none(), "sign"_a, "method"_a, "threads"_a,
         "device"_a, "memory_limit"_a, "progress"_a.none());
+  nb::class_<Live>(m, "Live")
+      .def(
+          "__init__",
+          [](Live* at, const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
+             const nb::handle& sign, const std::string& method, bool nearest, int threads, const std::string& device,
+             std::int64_t memory_limit) {
+            new (at) Live(vertices, faces, grid.grid(), thickness,
+                          compute_options(sign, method, nearest, threads, device, memory_limit));
+          },
+          "vertices"_a, "faces"_a, "grid"_a, "thickness"_a, "sign"_a.none(), "method"_a, "nearest"_a, "threads"_a,
+          "device"_a, "memory_limit"_a)
+      .def("move", &Live::move, "vertices"_a, "positions"_a, "progress"_a.none())
+      .def("field", &Live::field)
+      .def("vertices", &Live::vertices)
+      .def_prop_ro("sign", &Live::sign);
 }
 
 }  // namespace standoff::python

@@ -53,6 +53,7 @@ from ._report import Check, Component, Report, report, verify
 from ._stored import StoredField
 from ._stored import open_store as open
 from ._surface import surface
+from ._update import LiveField
 from ._windows import FieldWindows
 
 __all__ = [
@@ -78,6 +79,7 @@ __all__ = [
     "Grid",
     "InputError",
     "LimitError",
+    "LiveField",
     "Mesh",
     "MeshError",
     "MeshQuery",

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of meshes of which a part moved."""
+"""Fields of meshes of which a part moves."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._checks import name, runs_on
+from ._arrays import numbers
+from ._checks import flag, name, runs_on
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
-from ._options import Progress, Sign, memory_limit_of, progress_of, sign_report
+from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
 
 
 def updated(
@@ -52,6 +54,126 @@ def updated(
         )
     signs = sign_report(done.pop("sign"), asked, stacklevel=3)
     return DistanceField._of_native(native, signs, done)
+
+
+class LiveField:
+    """A field that follows its mesh, whose vertices move again and again, bit for bit as `field` computes it.
+
+    What updates have in common is kept, so that one takes the time of what changes, however large the mesh is.
+    docs/update.md says what is computed again, and when all is. Takes some 90 bytes a triangle besides the field.
+
+    Args:
+        mesh: as for `field`; on the CPU. It is copied.
+        resolution, spacing, shape, grid, padding, band, thickness: as for `field`. The grid does not follow the mesh: give
+            it room.
+        sign, nearest, method, device, threads, memory_limit: as for `field`; the limit counts what is kept.
+
+    Raises:
+        MeshError, UsageError, ValueError, TypeError, LimitError, DeviceError: as `field`.
+    """
+
+    _live: _core.Live
+    _made: DistanceField | None  # of the mesh as it is
+
+    def __init__(
+        self,
+        mesh: Any,
+        *,
+        resolution: int | None = None,
+        spacing: float | Sequence[float] | None = None,
+        shape: Sequence[int] | None = None,
+        grid: Grid | None = None,
+        padding: float | None = None,
+        band: float | None = None,
+        thickness: float | None = None,
+        sign: str | Sign | None = "auto",
+        nearest: bool = False,
+        method: str = "tiles",
+        device: str = "auto",
+        threads: int = 0,
+        memory_limit: int | None = None,
+    ) -> None:
+        found = as_mesh(mesh)
+        self._grid, self._thickness = grid_of(
+            lambda: found.bounds, grid, resolution, spacing, shape, padding, band, thickness
+        )
+        self._asked = Sign.of(sign)
+        self._faces = np.array(found.faces)
+        self._count = len(found.vertices)
+        self._live = _core.Live(
+            found.vertices,
+            found.faces,
+            self._grid._core(),
+            self._thickness,
+            self._asked,
+            name(method, "method"),
+            flag(nearest, "nearest"),
+            *runs_on(threads, device),
+            memory_limit_of(memory_limit),
+        )
+        self._sign = sign_report(self._live.sign, self._asked, stacklevel=2)
+        self._made = None
+
+    @property
+    def grid(self) -> Grid:
+        """Where the samples are."""
+        return self._grid
+
+    @property
+    def thickness(self) -> float:
+        """Half-width of the band, world units; infinite for a full field."""
+        return self._thickness
+
+    @property
+    def sign(self) -> SignReport:
+        """How the sign was decided, of the mesh as it is now."""
+        return self._sign
+
+    @property
+    def mesh(self) -> Mesh:
+        """A copy of the mesh as it is now."""
+        return Mesh(self._live.vertices(), self._faces)
+
+    @property
+    def field(self) -> DistanceField:
+        """The field of the mesh as it is now. A copy, made when it is first asked for: it does not change."""
+        if self._made is None:
+            self._made = DistanceField._of_native(self._live.field(), self._sign)
+        return self._made
+
+    def move(self, vertices: Any, positions: Any, *, progress: Progress = None) -> dict[str, Any]:
+        """Moves vertices of the mesh, and updates the field.
+
+        Args:
+            vertices: indices of those that move, or True for each that does. Of one that is named more than once the
+                last position counts.
+            positions: where each is now, ``(n, 3)``, world units.
+            progress: as for `field`.
+
+        Returns:
+            What was done: the keys ``anew`` (whether all was computed), ``why``, ``triangles_changed``, ``windows``,
+            ``tiles_computed``, ``tiles_changed`` and ``seconds``.
+
+        Raises:
+            UsageError, ValueError, TypeError: `vertices` are no indices of the mesh, or there are other numbers of
+                positions.
+            MeshError, LimitError: as `field`, of the mesh as it would be. The mesh and the field are then as before.
+            KeyboardInterrupt: Ctrl-C, within 0.1 s. After it, and what `progress` raises, `mesh` says whether the
+                vertices have moved: they have where the work was done already.
+        """
+        chosen = indices(vertices, "vertices", self._count)
+        places = np.ascontiguousarray(numbers(positions, "positions"), dtype=np.float64)
+        if places.size == 0 and len(chosen) == 0:
+            places = places.reshape(0, 3)
+        if places.shape != (len(chosen), 3):
+            raise ValueError(
+                f"positions: must have the shape ({len(chosen)}, 3), one for each vertex, not {places.shape}"
+            )
+        self._made = None
+        with progress_of(progress, "update") as report:
+            done = self._live.move(chosen, places, report)
+        self._sign = sign_report(done.pop("sign"), self._asked, stacklevel=2)
+        return done
 
 
 def indices(chosen: Any, what: str, count: int) -> np.ndarray:

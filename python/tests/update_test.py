@@ -81,3 +81,47 @@ def test_errors(meshes):
     broken[moved[0]] = np.nan
     with pytest.raises(so.MeshError, match="not finite"):
         field.update((broken, after[1]), before=before)
+
+
+def test_live_field_follows(meshes):
+    (vertices, faces), (after, _), moved = meshes
+    live = so.LiveField((vertices, faces), nearest=True, **OPTIONS)
+    first = live.field
+    kept = first.numpy()
+    assert live.field is first and live.sign.method == "winding"
+    assert same(first, so.field((vertices, faces), grid=live.grid, thickness=live.thickness, nearest=True))
+    mask = np.zeros(len(vertices), bool)
+    mask[moved] = True
+    for chosen in (moved, mask, list(moved)):
+        done = live.move(chosen, after[moved])
+        assert done["anew"] is False and done["why"] == "" and "sign" not in done
+        assert done["tiles_changed"] <= done["tiles_computed"]
+        anew = so.field((after, faces), grid=live.grid, thickness=live.thickness, nearest=True)
+        assert same(live.field, anew) and np.array_equal(live.field.nearest(), anew.nearest())
+        assert np.array_equal(live.mesh.vertices, after) and np.array_equal(live.mesh.faces, faces)
+    assert np.array_equal(first.numpy(), kept)  # nothing changes a field
+    live.move(moved, vertices[moved])
+    assert same(live.field, first)
+    assert live.move([], [])["triangles_changed"] == 0
+
+
+def test_live_field_errors(meshes):
+    (vertices, faces), (after, _), moved = meshes
+    live = so.LiveField((vertices, faces), **OPTIONS)
+    before = live.field
+    with pytest.raises(ValueError, match="vertices: must be from 0"):
+        live.move([len(vertices)], [[0, 0, 0]])
+    with pytest.raises(ValueError, match="positions: must have the shape"):
+        live.move(moved, after)
+    with pytest.raises(so.MeshError, match="not finite"):
+        live.move(moved[:1], [[np.nan, 0, 0]])
+    with pytest.raises(TypeError, match="vertices"):
+        live.move([0.5], [[0, 0, 0]])
+    assert np.array_equal(live.mesh.vertices, vertices) and same(live.field, before)
+    with pytest.raises(ZeroDivisionError):
+        live.move(moved, after[moved], progress=lambda stage, fraction: 1 // 0)
+    assert same(live.field, so.field(live.mesh, grid=live.grid, thickness=live.thickness))
+    live.move(moved, vertices[moved])
+    assert same(live.field, before)
+    with pytest.raises(so.LimitError):
+        so.LiveField((vertices, faces), memory_limit=1000, **OPTIONS)

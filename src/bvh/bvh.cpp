@@ -73,10 +73,26 @@ FloatBox Bvh::box() const {
   return all;
 }
 
+// The box of a triangle, with what its rounding takes.
+FloatBox Bvh::grown_box(const std::array<Vec3, 3>& corners) const {
+  const auto& [a, b, c] = corners;
+  FloatBox box = frame_.local(Box{min(a, min(b, c)), max(a, max(b, c))});
+  if (frame_.extent < 0) return box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[axis] -= kBoxError * std::max(frame_.extent, std::abs(box.low[axis]));
+    box.high[axis] += kBoxError * std::max(frame_.extent, std::abs(box.high[axis]));
+  }
+  return box;
+}
+
+void Bvh::set_box(std::uint32_t node, int lane, const FloatBox& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    boxes_[node].low[axis][lane] = box.low[axis];
+    boxes_[node].high[axis][lane] = box.high[axis];
+  }
+}
+
 void Bvh::box_triangles(MeshView mesh, ProgressMeter& progress, float (*centroids)[3]) {
-  const auto slack_at = [extent = frame_.extent](float coordinate) {
-    return extent < 0 ? 0 : kBoxError * std::max(extent, std::abs(coordinate));
-  };
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, level_begin_[1], 512), [&](const auto& range) {
     progress.check();
     for (std::uint32_t node = range.begin(); node < range.end(); ++node)
@@ -86,17 +102,29 @@ void Bvh::box_triangles(MeshView mesh, ProgressMeter& progress, float (*centroid
           boxes_[node].clear(static_cast<int>(n));
           continue;
         }
-        const auto [a, b, c] = mesh.corners(order_[place]);
-        const FloatBox box = frame_.local(Box{min(a, min(b, c)), max(a, max(b, c))});
-        for (int axis = 0; axis < 3; ++axis) {
-          boxes_[node].low[axis][n] = box.low[axis] - slack_at(box.low[axis]);
-          boxes_[node].high[axis][n] = box.high[axis] + slack_at(box.high[axis]);
-        }
+        const std::array<Vec3, 3> corners = mesh.corners(order_[place]);
+        set_box(node, static_cast<int>(n), grown_box(corners));
         if (!centroids) continue;
-        const Vec3 middle = frame_.local((a + b + c) * (1.0 / 3));
+        const Vec3 middle = frame_.local((corners[0] + corners[1] + corners[2]) * (1.0 / 3));
         for (int axis = 0; axis < 3; ++axis) centroids[place][axis] = static_cast<float>(middle[axis]);
       }
   });
+}
+
+// The boxes of the children of a node above the triangles.
+void Bvh::box_node(std::uint32_t number) {
+  const BvhNode own = node(triangles() + number);
+  for (int n = 0; n < kFanout; ++n) {
+    if (n >= own.count) {
+      boxes_[number].clear(n);
+      continue;
+    }
+    const Boxes16& inner = boxes_[own.first - triangles() + static_cast<std::uint32_t>(n)];
+    for (int axis = 0; axis < 3; ++axis) {
+      boxes_[number].low[axis][n] = *std::min_element(inner.low[axis], inner.low[axis] + kFanout);
+      boxes_[number].high[axis][n] = *std::max_element(inner.high[axis], inner.high[axis] + kFanout);
+    }
+  }
 }
 
 void Bvh::box_nodes(ProgressMeter& progress) {
@@ -104,22 +132,30 @@ void Bvh::box_nodes(ProgressMeter& progress) {
     const tbb::blocked_range<std::uint32_t> all(level_begin_[level], level_begin_[level + 1], 512);
     tbb::parallel_for(all, [&](const auto& range) {
       progress.check();
-      for (std::uint32_t number = range.begin(); number < range.end(); ++number) {
-        const BvhNode own = node(triangles() + number);
-        for (int n = 0; n < kFanout; ++n) {
-          if (n >= own.count) {
-            boxes_[number].clear(n);
-            continue;
-          }
-          const Boxes16& inner = boxes_[own.first - triangles() + static_cast<std::uint32_t>(n)];
-          for (int axis = 0; axis < 3; ++axis) {
-            boxes_[number].low[axis][n] = *std::min_element(inner.low[axis], inner.low[axis] + kFanout);
-            boxes_[number].high[axis][n] = *std::max_element(inner.high[axis], inner.high[axis] + kFanout);
-          }
-        }
-      }
+      for (std::uint32_t number = range.begin(); number < range.end(); ++number) box_node(number);
     });
   }
+}
+
+bool Bvh::follow(MeshView mesh, std::span<const std::uint32_t> places) {
+  const float most = 2 * frame_.extent;
+  std::vector<std::uint32_t> above;  // nodes of a level, counted in it
+  for (const std::uint32_t place : places) {
+    const FloatBox box = grown_box(mesh.corners(order_[place]));
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(box.low[axis] >= -most && box.high[axis] <= most)) return false;
+    set_box(place / kFanout, static_cast<int>(place % kFanout), box);
+    above.push_back(place / kFanout);
+  }
+  for (std::size_t level = 1; level + 1 < level_begin_.size(); ++level) {
+    std::ranges::sort(above);
+    above.erase(std::unique(above.begin(), above.end()), above.end());
+    for (std::uint32_t& number : above) {
+      number /= kFanout;
+      box_node(level_begin_[level] + number);
+    }
+  }
+  return true;
 }
 
 namespace {

@@ -74,6 +74,10 @@ class Bvh {
   Bvh(MeshView mesh, std::vector<std::uint32_t> order, const BvhFrame& frame, ProgressMeter& progress,
       float (*centroids)[3] = nullptr);
 
+  /// Takes over the corners of the triangles at some places, whose vertices moved; the order stays. Returns false where
+  /// one is now more than twice the extent from the frame's center: then a new hierarchy must take this one's place.
+  bool follow(MeshView mesh, std::span<const std::uint32_t> places);
+
   /// The number of entries that so many triangles make: they and their nodes.
   static std::int64_t entries_of(std::int64_t triangles);
   /// The bytes of a hierarchy of so many triangles.
@@ -127,7 +131,10 @@ class Bvh {
     while (node >= level_begin_[level + 1]) ++level;
     return level;
   }
+  FloatBox grown_box(const std::array<Vec3, 3>& corners) const;
+  void set_box(std::uint32_t node, int lane, const FloatBox& box);
   void box_triangles(MeshView mesh, ProgressMeter& progress, float (*centroids)[3]);
+  void box_node(std::uint32_t number);
   void box_nodes(ProgressMeter& progress);
 
   BvhFrame frame_;

@@ -85,6 +85,8 @@ struct Job {
   Simd simd;
   ProgressMeter& progress;
   std::span<const int> devices = {};  ///< the GPUs that share the work; none: the first one
+  /// A byte for each tile of the grid, x fastest: what comes of those with 0 does not matter. Empty: all matter.
+  std::span<const std::uint8_t> wanted = {};
 
   std::int64_t triangle_count() const {
     return static_cast<std::int64_t>(kept.empty() ? mesh.triangles.size() : kept.size());

@@ -4,18 +4,15 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
 
-#include "core/hashes.h"
 #include "core/threads.h"
+#include "core/tile_count.h"
 #include "field/lattice.h"
 #include "geometry/triangle_box.h"
-#include "sign/diagnosis/disjoint_sets.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -65,73 +62,22 @@ MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint3
   return change;
 }
 
+namespace {
+
+bool touch(const Box& a, const Box& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+         b.min.z <= a.max.z;
+}
+
+}  // namespace
+
 double rounding_of_places(const Grid& grid) {
   const Box box = grid.bounds();
   const double farthest = std::max(max_norm(box.min), max_norm(box.max));
   return grid.max_spacing() / 64 + 64 * std::numeric_limits<double>::epsilon() * farthest;
 }
 
-// What they may enclose.
-
-namespace {
-
-// Numbers 64-bit keys from 0 on, in the order in which they first come.
-class KeyNumbers {
- public:
-  explicit KeyNumbers(std::size_t most) : places_(std::bit_ceil(2 * most + 1), Place{0, kNone}) {}
-
-  std::uint32_t of(std::uint64_t key) {
-    const std::size_t last = places_.size() - 1;
-    for (std::size_t at = key & last;; at = (at + 1) & last) {
-      Place& place = places_[at];
-      if (place.number == kNone) place = {key, count_++};
-      if (place.key == key) return place.number;
-    }
-  }
-  std::uint32_t count() const { return count_; }
-
- private:
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  struct Place {
-    std::uint64_t key;
-    std::uint32_t number;
-  };
-  std::vector<Place> places_;
-  std::uint32_t count_ = 0;
-};
-
-}  // namespace
-
-// An edge that does not cancel in a set's own triangles cancels with others that changed. These share its corners, and
-// so are in the set. Equal hashes of unequal positions only join more sets.
-std::vector<Box> enclosing_boxes(const MeshChange& change) {
-  const std::size_t triangles = change.triangles.size();
-  KeyNumbers positions(6 * triangles);
-  std::vector<std::array<std::uint32_t, 6>> corners(triangles);
-  const auto each_corner = [&](std::size_t n, const auto& use) {
-    const std::uint32_t t = change.triangles[n];
-    std::size_t k = 0;
-    for (const MeshView& mesh : {change.before, change.after})
-      if (change.is_in(mesh, t))
-        for (const Vec3& corner : mesh.corners(t)) use(k++, corner);
-    return k;
-  };
-  DisjointSets sets(6 * triangles);
-  for (std::size_t n = 0; n < triangles; ++n)
-    each_corner(n, [&](std::size_t k, const Vec3& corner) {
-      corners[n][k] = positions.of(position_hash(corner));
-      sets.join(corners[n][0], corners[n][k]);
-    });
-  std::vector<Box> of_set(positions.count());
-  for (std::size_t n = 0; n < triangles; ++n) {
-    Box& box = of_set[sets.find(corners[n][0]).set];
-    each_corner(n, [&](std::size_t, const Vec3& corner) { box.include(corner); });
-  }
-  std::erase_if(of_set, [](const Box& box) { return box.empty(); });
-  return of_set;
-}
-
-// Dirty bricks.
+// Dirty tiles.
 
 namespace {
 
@@ -147,60 +93,98 @@ std::size_t brick_index(const Size3& bricks, std::int64_t x, std::int64_t y, std
 
 }  // namespace
 
-DirtyBricks::DirtyBricks(const Grid& grid) : grid_(grid), bricks_(size_in_bricks(grid)) {
-  marks_.resize(static_cast<std::size_t>(bricks_.count()));
-}
-
-void DirtyBricks::mark(const Box& box) {
-  const SampleRange samples = samples_in(box, grid_);
-  if (samples.empty()) return;
-  Size3 low, high;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = samples.begin[axis] / kBrickSide;
-    high[axis] = bricks_along(samples.end[axis]);
-  }
-  set(low, high, 1);
-}
-
-void DirtyBricks::mark_reached(const MeshChange& change, double reach) {
-  for (const std::uint32_t t : change.triangles)
-    for (const MeshView& mesh : {change.before, change.after})
-      if (change.is_in(mesh, t)) mark(triangle_box(mesh, t).grown(reach));
-}
-
-std::int64_t DirtyBricks::count() const { return std::ranges::count(marks_, std::uint8_t{1}); }
-
-bool DirtyBricks::is_dirty(const Size3& low, const Size3& high) const {
-  for (std::int64_t z = low.z; z < high.z; ++z)
-    for (std::int64_t y = low.y; y < high.y; ++y) {
-      const auto row = marks_.begin() + static_cast<std::ptrdiff_t>(brick_index(bricks_, 0, y, z));
-      if (std::find(row + low.x, row + high.x, std::uint8_t{0}) != row + high.x) return false;
-    }
-  return true;
-}
-
-void DirtyBricks::set(const Size3& low, const Size3& high, std::uint8_t mark) {
+void DirtyTiles::Marks::set(const Size3& low, const Size3& high, std::uint8_t mark) {
   for (std::int64_t z = low.z; z < high.z; ++z)
     for (std::int64_t y = low.y; y < high.y; ++y)
-      std::memset(&marks_[brick_index(bricks_, low.x, y, z)], mark, static_cast<std::size_t>(high.x - low.x));
+      std::memset(&marks[index(low.x, y, z)], mark, static_cast<std::size_t>(high.x - low.x));
+}
+
+bool DirtyTiles::Marks::has(const Size3& low, const Size3& high, std::uint8_t mark) const {
+  for (std::int64_t z = low.z; z < high.z; ++z)
+    for (std::int64_t y = low.y; y < high.y; ++y) {
+      const auto row = marks.begin() + static_cast<std::ptrdiff_t>(index(0, y, z));
+      if (std::find(row + low.x, row + high.x, mark) != row + high.x) return true;
+    }
+  return false;
+}
+
+DirtyTiles::DirtyTiles(const Grid& grid)
+    : grid_(grid), finder_(grid), tiles_(DistanceField::tiles_of(grid.size)), bricks_(size_in_bricks(grid)) {}
+
+TileFinder::TileFinder(const Grid& grid)
+    : bounds_(grid.bounds().grown(rounding_of_places(grid))),
+      corner_(grid.corner()),
+      inset_(grid.spacing * (63.0 / 64)) {
+  const Size3 tiles = DistanceField::tiles_of(grid.size);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    per_tile_[axis] = 1 / (kTileSide * grid.spacing[axis]);
+    last_[axis] = static_cast<double>(tiles[axis] - 1);
+  }
+}
+
+TileFinder::Range TileFinder::around(const Box& box) const {
+  if (!touch(box, bounds_)) return {};
+  Range tiles;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    tiles.low[axis] = at(box.min[axis] + inset_[axis], axis);
+    tiles.high[axis] = at(box.max[axis], axis) + 1;
+  }
+  return tiles;
+}
+
+void DirtyTiles::mark_tiles(const TileFinder::Range& tiles) {
+  const auto& [low, high] = tiles;
+  tiles_.set(low, high, 1);
+  bricks_.set({low.x / 2, low.y / 2, low.z / 2}, {(high.x + 1) / 2, (high.y + 1) / 2, (high.z + 1) / 2}, 1);
+}
+
+bool DirtyTiles::any_near(const Box& box) const {
+  const auto [low, high] = finder_.around(box);
+  return tiles_.any(low, high);
+}
+
+std::vector<std::uint8_t> DirtyTiles::marks_of(const Grid& window) const {
+  const Size3 size = DistanceField::tiles_of(window.size);
+  const auto first = [&](std::size_t axis) { return (window.first[axis] - grid_.first[axis]) / kTileSide; };
+  std::vector<std::uint8_t> marks;
+  marks.reserve(static_cast<std::size_t>(size.count()));
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      const auto row =
+          tiles_.marks.begin() + static_cast<std::ptrdiff_t>(tiles_.index(first(0), first(1) + y, first(2) + z));
+      marks.insert(marks.end(), row, row + size.x);
+    }
+  return marks;
+}
+
+void DirtyTiles::mark_row(std::int64_t j, std::int64_t k, std::int64_t begin, std::int64_t end) {
+  const Size3 low{begin / kTileSide, j / kTileSide, k / kTileSide};
+  mark_tiles({low, {tiles_along(end), low.y + 1, low.z + 1}});
+}
+
+void DirtyTiles::mark_reached(const MeshChange& change, double reach) {
+  const double grow = reach + rounding_of_places(grid_);
+  for (const std::uint32_t t : change.triangles)
+    for (const MeshView& mesh : {change.before, change.after})
+      if (change.is_in(mesh, t)) mark_tiles(finder_.around(triangle_box(mesh, t).grown(grow)));
 }
 
 // Takes the first brick that is left, and bricks beside it along x, y and z as far as all of a layer are left.
-std::vector<Grid> DirtyBricks::windows() const {
+std::vector<Grid> DirtyTiles::windows() const {
   std::vector<Grid> windows;
-  DirtyBricks left = *this;
-  for (auto next = left.marks_.begin();; ++next) {
-    next = std::find(next, left.marks_.end(), std::uint8_t{1});
-    if (next == left.marks_.end()) return windows;
-    const std::int64_t at = next - left.marks_.begin();
-    const Size3 low{at % bricks_.x, at / bricks_.x % bricks_.y, at / (bricks_.x * bricks_.y)};
+  Marks left = bricks_;
+  for (auto next = left.marks.begin();; ++next) {
+    next = std::find(next, left.marks.end(), std::uint8_t{1});
+    if (next == left.marks.end()) return windows;
+    const std::int64_t at = next - left.marks.begin();
+    const Size3 low{at % left.size.x, at / left.size.x % left.size.y, at / (left.size.x * left.size.y)};
     Size3 high{low.x + 1, low.y + 1, low.z + 1};
     for (std::size_t axis = 0; axis < 3; ++axis)
-      for (; high[axis] < bricks_[axis]; ++high[axis]) {
+      for (; high[axis] < left.size[axis]; ++high[axis]) {
         Size3 from = low, to = high;
         from[axis] = high[axis];
         to[axis] = high[axis] + 1;
-        if (!left.is_dirty(from, to)) break;
+        if (!left.all(from, to)) break;
       }
     left.set(low, high, 0);
     Size3 first, size;
@@ -218,36 +202,18 @@ namespace {
 
 constexpr std::int32_t kNoWindow = -1;
 
-// The brick of a grid that a coordinate is in, by a product and not by a division. Callers allow for its rounding.
-class BrickFinder {
- public:
-  explicit BrickFinder(const Grid& grid) : corner_(grid.corner()) {
-    const Size3 bricks = size_in_bricks(grid);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      per_brick_[axis] = 1 / (kBrickSide * grid.spacing[axis]);
-      last_[axis] = static_cast<double>(bricks[axis] - 1);
-    }
-  }
-  std::int64_t at(double coordinate, std::size_t axis) const {
-    return static_cast<std::int64_t>(std::clamp((coordinate - corner_[axis]) * per_brick_[axis], 0.0, last_[axis]));
-  }
-
- private:
-  Vec3 corner_, per_brick_, last_;
-};
-
 // Which window has a brick, and which windows a column of bricks along x passes through.
 class WindowMap {
  public:
-  WindowMap(const Grid& grid, std::span<const Grid> windows, double reach)
-      : windows_(windows),
-        bricks_(size_in_bricks(grid)),
-        finder_(grid),
-        margin_(rounding_of_places(grid)),
+  WindowMap(const DirtyTiles& dirty, std::span<const Grid> windows, double reach)
+      : dirty_(dirty),
+        windows_(windows),
+        bricks_(size_in_bricks(dirty.grid())),
+        margin_(rounding_of_places(dirty.grid())),
         reach_(reach) {
     of_brick_.assign(static_cast<std::size_t>(bricks_.count()), kNoWindow);
     of_column_.resize(static_cast<std::size_t>(bricks_.y * bricks_.z));
-    for (std::size_t w = 0; w < windows.size(); ++w) add(grid, w);
+    for (std::size_t w = 0; w < windows.size(); ++w) add(dirty.grid(), w);
     reached_ = reached_.grown(reach_ + margin_);
     crossed_ = crossed_.grown(margin_);
   }
@@ -258,10 +224,15 @@ class WindowMap {
     if (!touch(box, reached_)) return;
     const double grow = reach_ + margin_;
     const Box grown = box.grown(grow);
-    for (std::int64_t z = finder_.at(grown.min.z, 2), z_end = finder_.at(grown.max.z, 2); z <= z_end; ++z)
-      for (std::int64_t y = finder_.at(grown.min.y, 1), y_end = finder_.at(grown.max.y, 1); y <= y_end; ++y)
-        for (std::int64_t x = finder_.at(grown.min.x, 0), x_end = finder_.at(grown.max.x, 0); x <= x_end; ++x)
-          if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow) use(window);
+    const auto [low, high] = dirty_.finder().around(grown);
+    for (std::int64_t z = low.z / 2; 2 * z < high.z; ++z)
+      for (std::int64_t y = low.y / 2; 2 * y < high.y; ++y)
+        for (std::int64_t x = low.x / 2; 2 * x < high.x; ++x)
+          if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow)
+            if (dirty_.any_dirty(
+                    {std::max(2 * x, low.x), std::max(2 * y, low.y), std::max(2 * z, low.z)},
+                    {std::min(2 * x + 2, high.x), std::min(2 * y + 2, high.y), std::min(2 * z + 2, high.z)}))
+              use(window);
   }
   // The same for windows whose rows may cross the box.
   template <class Use>
@@ -270,18 +241,15 @@ class WindowMap {
         box.min.z > crossed_.max.z || box.max.z < crossed_.min.z)
       return;
     const Box grown = box.grown(margin_);
-    for (std::int64_t z = finder_.at(grown.min.z, 2), z_end = finder_.at(grown.max.z, 2); z <= z_end; ++z)
-      for (std::int64_t y = finder_.at(grown.min.y, 1), y_end = finder_.at(grown.max.y, 1); y <= y_end; ++y)
+    for (std::int64_t z = dirty_.finder().at(grown.min.z, 2) / 2, z_end = dirty_.finder().at(grown.max.z, 2) / 2;
+         z <= z_end; ++z)
+      for (std::int64_t y = dirty_.finder().at(grown.min.y, 1) / 2, y_end = dirty_.finder().at(grown.max.y, 1) / 2;
+           y <= y_end; ++y)
         for (const std::int32_t window : of_column_[static_cast<std::size_t>(y + bricks_.y * z)])
           if (grown.min.x <= windows_[static_cast<std::size_t>(window)].bounds().max.x) use(window);
   }
 
  private:
-  static bool touch(const Box& a, const Box& b) {
-    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
-           b.min.z <= a.max.z;
-  }
-
   void add(const Grid& grid, std::size_t w) {
     const Grid& window = windows_[w];
     Size3 low, high;
@@ -302,9 +270,9 @@ class WindowMap {
     }
   }
 
+  const DirtyTiles& dirty_;
   std::span<const Grid> windows_;
   Size3 bricks_;
-  BrickFinder finder_;
   double margin_, reach_;
   Box reached_, crossed_;
   std::vector<std::int32_t> of_brick_;
@@ -335,11 +303,11 @@ class OncePerWindow {
 
 }  // namespace
 
-std::vector<WindowTriangles> triangles_of(MeshView mesh, const Grid& grid, std::span<const Grid> windows, double reach,
-                                          bool with_crossed, ProgressMeter& progress) {
+std::vector<WindowTriangles> triangles_of(MeshView mesh, const DirtyTiles& dirty, std::span<const Grid> windows,
+                                          double reach, bool with_crossed, ProgressMeter& progress) {
   constexpr std::size_t kChunk = 16384;
   const std::size_t triangles = mesh.triangles.size();
-  const WindowMap map(grid, windows, reach);
+  const WindowMap map(dirty, windows, reach);
   struct Seen {
     OncePerWindow near, crossed;
   };

@@ -15,7 +15,18 @@ std::int64_t MeshParts::bytes(std::int64_t triangles) {
   return Bvh::bytes_of(triangles) + kInPart * triangles;
 }
 
-// Boxes of the hierarchy lie within its extent; what is far beyond need not fit into float.
+bool MeshParts::follow(MeshView mesh, std::span<const std::uint32_t> moved) {
+  if (place_of_.empty()) {
+    place_of_.resize(bvh_.triangles());
+    for (std::uint32_t place = 0; place < bvh_.triangles(); ++place) place_of_[bvh_.order()[place]] = place;
+  }
+  std::vector<std::uint32_t> places(moved.size());
+  std::ranges::transform(moved, places.begin(), [&](std::uint32_t triangle) { return place_of_[triangle]; });
+  std::ranges::sort(places);
+  return bvh_.follow(mesh, places);
+}
+
+// Boxes of the hierarchy lie within twice its extent; what is far beyond need not fit into float.
 FloatBox MeshParts::local(const Box& box) const {
   const BvhFrame& frame = bvh_.frame();
   const double far = 4.0 * frame.extent;
@@ -28,11 +39,20 @@ FloatBox MeshParts::local(const Box& box) const {
   return made;
 }
 
+void MeshParts::sort_ascending(std::vector<std::uint32_t>& triangles) {
+  constexpr std::size_t kMany = 4096;
+  if (triangles.size() < kMany) {
+    std::ranges::sort(triangles);
+    return;
+  }
+  std::vector<KeyedIndex> keyed(triangles.size());
+  std::ranges::transform(triangles, keyed.begin(), [](std::uint32_t t) { return KeyedIndex{t, t}; });
+  radix_sort(keyed, 1);
+  std::ranges::transform(keyed, triangles.begin(), &KeyedIndex::index);
+}
+
 std::vector<std::uint32_t> MeshParts::touching(const Box& box) const {
-  std::vector<std::uint32_t> found;
-  for_each_overlap(bvh_, local(box), [&](std::uint32_t place) { found.push_back(bvh_.order()[place]); });
-  std::ranges::sort(found);
-  return found;
+  return touching(box, [](std::uint32_t) { return true; });
 }
 
 bool MeshParts::touch(const Box& box) const {

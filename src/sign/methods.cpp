@@ -18,6 +18,14 @@ namespace standoff {
 
 // How each method is planned.
 
+SignPlan plan_of_closed(SignMethod method) {
+  SignPlan plan;
+  plan.report.method = method;
+  plan.report.why = method == SignMethod::parity ? "each edge has an even number of triangles"
+                                                 : "the mesh is closed and consistently oriented";
+  return plan;
+}
+
 namespace {
 
 [[noreturn]] void fail_at_plan(const std::string& what) { throw Error(ErrorCode::input, "compute: " + what); }
@@ -50,7 +58,7 @@ void plan_parity(SignPlan& plan, MeshView mesh, const SignOptions&, ProgressMete
     fail_at_plan(
         "the mesh is not closed (some edge belongs to an odd number of triangles), so crossings have no parity; repair "
         "the mesh, or take the sign method winding or flood");
-  plan.report.why = "each edge has an even number of triangles";
+  plan = plan_of_closed(SignMethod::parity);
 }
 
 void take_as_it_is(SignPlan& plan, MeshView mesh) {
@@ -64,8 +72,7 @@ void plan_winding(SignPlan& plan, MeshView mesh, const SignOptions& options, Pro
   const Closed closed = closed_of(mesh, progress);
   // Skip the diagnosis, as most meshes need none.
   if (closed.oriented && (options.as_oriented || faces_outwards(mesh))) {
-    plan.report.method = SignMethod::winding;
-    plan.report.why = "the mesh is closed and consistently oriented";
+    plan = plan_of_closed(SignMethod::winding);
     return;
   }
   if (options.as_oriented && options.method == SignMethod::winding) return take_as_it_is(plan, mesh);

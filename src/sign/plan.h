@@ -33,6 +33,10 @@ struct SignPlan {
 /// `progress` is checked between steps.
 SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& progress);
 
+/// What plan_sign() plans by SignMethod::winding for a mesh that is closed, and faces outwards or is taken as oriented;
+/// by parity for one whose edges all have an even number of triangles.
+SignPlan plan_of_closed(SignMethod method);
+
 /// Whether plan_sign() would look at the mesh's edges, which takes memory: a mesh that is closed and faces outwards
 /// needs no such diagnosis. Requires a valid mesh. Runs on the threads of the calling TBB arena.
 bool needs_diagnosis(MeshView mesh, const SignOptions& options);

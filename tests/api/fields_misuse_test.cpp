@@ -114,6 +114,23 @@ TEST(Misuse, Updates) {
   expect_usage("empty", [&] { update_field(triangle, triangle, {}, empty, on_cpu()); });
 }
 
+TEST(Misuse, LiveFields) {
+  const Mesh triangle = one_triangle();
+  for (const Mesh& mesh : unusable_meshes())
+    expect_answer_or_error("mesh", [&] { LiveField(mesh, kFieldGrid, 1, on_cpu()); });
+  LiveField live(triangle, kFieldGrid, 1, on_cpu());
+  const std::vector<double> odd{0, -1, 1e-320, 1e300, std::numeric_limits<double>::infinity(), std::nan("")};
+  for (const double x : odd)
+    for (const std::vector<std::uint32_t>& vertices :
+         std::vector<std::vector<std::uint32_t>>{{}, {0}, {2, 2}, {3}, {kNoTriangle}})
+      for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+        const std::vector<Vec3> positions(count, Vec3{x, 0.1, x});
+        expect_answer_or_error("move", [&] { live.move(vertices, positions); });
+        EXPECT_EQ(live.field().grid(), kFieldGrid);
+        EXPECT_EQ(live.mesh().triangles.size(), live.report().triangles == 0 ? 0u : triangle.triangles.size());
+      }
+}
+
 TEST(Misuse, Slabs) {
   const Mesh triangle = one_triangle();
   for (const std::int64_t n : kCounts) {

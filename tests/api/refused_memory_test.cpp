@@ -116,6 +116,32 @@ TEST(RefusedMemory, Computing) {
     DistanceField updated = field;
     update_field(kMesh, moved, changed_triangles(kMesh, moved), updated, on_cpu());
   });
+  expect_limit_error("live", [&] { LiveField(kMesh, kGrid, 0.5, on_cpu()); });
+  // Whatever is refused, the mesh and the field are as before, and the next move does what it should.
+  const std::vector<std::uint32_t> vertex{moved.triangles[0][0]};
+  const std::vector<Vec3> there{moved.vertices[vertex[0]]};
+  const std::vector<float> before = field.to_dense(), after = compute(moved, kGrid, 0.5, on_cpu()).field.to_dense();
+  expect_limit_error("live", [&] { LiveField(kMesh, kGrid, 0.5, on_cpu()); });
+  bool happened = true;
+  for (std::int64_t n = 0; happened; ++n) {
+    LiveField live(kMesh, kGrid, 0.5, on_cpu());
+    bool failed = false;
+    {
+      const heap::Refusal refusal(n);
+      try {
+        live.move(vertex, there);
+        happened = heap::Refusal::happened();
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::limit) << "move, allocation " << n << ": " << error.what();
+        failed = true;
+      }
+    }
+    if (failed) {
+      EXPECT_EQ(live.field().to_dense(), before) << "move, allocation " << n;
+      live.move(vertex, there);
+    }
+    EXPECT_EQ(live.field().to_dense(), after) << "move, allocation " << n;
+  }
   const std::vector<Vec3> points(3);
   expect_limit_error("points", [&] { closest_points(kMesh, points, {.execution = {.threads = 1}}); });
   std::vector<double> numbers(3);

@@ -6,11 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -20,6 +18,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
 namespace {
@@ -32,25 +31,7 @@ Mesh at_grid(Mesh mesh) {
   for (Vec3& v : mesh.vertices) v = v + kFar;
   return mesh;
 }
-// A ball that faces outwards, with shared vertices.
-Mesh solid_ball(double radius, int cuts, Vec3 center = {}) {
-  const Mesh octants = ball_mesh(radius, cuts, center);
-  Mesh mesh;
-  std::map<std::array<double, 3>, std::uint32_t> known;
-  for (Triangle t : octants.triangles) {
-    const Vec3 a = octants.vertices[t[0]], b = octants.vertices[t[1]], c = octants.vertices[t[2]];
-    if (dot(cross(b - a, c - a), a - center) < 0) std::swap(t[1], t[2]);
-    for (std::uint32_t& v : t) {
-      const Vec3 p = octants.vertices[v] + Vec3{0, 0, 0};  // no -0
-      const auto [at, is_new] = known.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(mesh.vertices.size()));
-      if (is_new) mesh.vertices.push_back(p);
-      v = at->second;
-    }
-    mesh.triangles.push_back(t);
-  }
-  return mesh;
-}
-Mesh ball() { return at_grid(solid_ball(1, 12)); }
+Mesh ball() { return at_grid(welded_ball(1, 12)); }
 Mesh open_ball() {
   Mesh mesh = ball();
   mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
@@ -185,7 +166,7 @@ TEST(Update, ScatteredMoves) {
 
 // A bump sweeps a volume that the band does not reach: marks of tiles that are not stored flip, and flip back.
 TEST(Update, BumpsFlipMarks) {
-  const Mesh before = at_grid(solid_ball(0.7, 12));
+  const Mesh before = at_grid(welded_ball(0.7, 12));
   const Mesh after = dented(before, kFar + Vec3{0.7, 0, 0}, 0.25, {-0.9, 0.05, 0.03});
   const auto marks = [](const DistanceField& field) {
     return std::ranges::count(field.slots(), DistanceField::kInside);
@@ -207,9 +188,9 @@ TEST(Update, BumpsFlipMarks) {
 // A whole part moves: what it leaves turns to outside, in bricks that no triangle comes near.
 TEST(Update, PartsMove) {
   const Grid fine{{201, 209, 217}, kUpdateGrid.origin, {0.0125, 0.0125, 0.0125}};
-  Mesh before = at_grid(solid_ball(0.45, 6, {-0.6, 0, 0}));
+  Mesh before = at_grid(welded_ball(0.45, 6, {-0.6, 0, 0}));
   const std::size_t moving = before.vertices.size();
-  const Mesh other = at_grid(solid_ball(0.3, 8, {0.7, 0.1, 0.2}));
+  const Mesh other = at_grid(welded_ball(0.3, 8, {0.7, 0.1, 0.2}));
   for (const Triangle& t : other.triangles) {
     const auto first = static_cast<std::uint32_t>(moving);
     before.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
@@ -304,7 +285,7 @@ TEST(Update, TrianglesComeAndGo) {
     EXPECT_EQ(expect_update(fewer, before, kThin, by(method)).triangles_changed, 8);
     // A part that comes is closed of itself.
     Mesh more = before;
-    const Mesh bit = at_grid(solid_ball(0.1, 2, {0.9, 0.9, 0.9}));
+    const Mesh bit = at_grid(welded_ball(0.1, 2, {0.9, 0.9, 0.9}));
     const auto first = static_cast<std::uint32_t>(more.vertices.size());
     for (const Triangle& t : bit.triangles) more.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     more.vertices.insert(more.vertices.end(), bit.vertices.begin(), bit.vertices.end());
@@ -367,7 +348,7 @@ TEST(Update, OnAnEmulatedGpu) {
   ComputeOptions options = by(SignMethod::winding);
   options.execution.backend = kEmulated;
   options.nearest = true;
-  const Mesh before = at_grid(solid_ball(1, 4));
+  const Mesh before = at_grid(welded_ball(1, 4));
   const Mesh after = dented(before, kFar + Vec3{0, 0, 1}, 0.4, {0.1, 0.1, -0.2});
   EXPECT_FALSE(expect_update(before, after, kThin, options).anew);
 }
@@ -375,7 +356,7 @@ TEST(Update, OnAnEmulatedGpu) {
 // One after the other, no error is left behind.
 void update_on_and_on(const ComputeOptions& options, double thickness, int rounds) {
   Random random(5);
-  Mesh mesh = at_grid(solid_ball(0.9, 8));
+  Mesh mesh = at_grid(welded_ball(0.9, 8));
   const Grid grid{{67, 61, 71}, kFar - Vec3{1.25, 1.3, 1.35}, {0.038, 0.041, 0.037}};
   DistanceField field = compute(mesh, grid, thickness, options).field;
   std::int64_t anew = 0;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -134,6 +136,83 @@ TEST(Outward, ClosedMeshesWithoutAVolumeAreDiagnosed) {
     EXPECT_EQ(used.method, found.method) << used.why;
     EXPECT_EQ(used.sure, found.sure) << used.why;
   }
+}
+
+// Sums that follow a mesh say what the passes say, and exactly nothing stays behind of what moved.
+
+std::vector<std::uint32_t> all_triangles(const Mesh& mesh) {
+  std::vector<std::uint32_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+TEST(Closed, SumsCanBeTakenOutAgain) {
+  Mesh mesh = closed_solids();
+  const Mesh before = mesh;
+  EdgeSums sums{mesh};
+  EXPECT_TRUE(sums.closed().oriented && sums.closed().unoriented);
+  const std::vector<std::uint32_t> one{5};
+  mesh.vertices.push_back({100, 200, 300});
+  mesh.triangles[5][1] = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+  sums -= EdgeSums(before, one);
+  EXPECT_FALSE(sums.closed().unoriented);
+  sums += EdgeSums(mesh, one);
+  EXPECT_EQ(sums.closed().unoriented, is_closed(mesh).unoriented);
+  EXPECT_FALSE(sums.closed().oriented);
+  sums -= EdgeSums(mesh, one);
+  sums += EdgeSums(before, one);
+  EXPECT_TRUE(sums.closed().oriented && sums.closed().unoriented);
+}
+
+TEST(Outward, SumsFollow) {
+  Mesh mesh = joined(box(), moved(sphere(), {1e3, 0, 0}, 1e-3));
+  const Mesh before = mesh;
+  const auto box_vertices = box().vertices.size();
+  OutwardSums sums(mesh);
+  EXPECT_TRUE(sums.surely_outwards());
+  const std::vector<std::uint32_t> all = all_triangles(mesh);
+  const auto become = [&](const Mesh& now) {
+    sums.follow(mesh, now, all);
+    mesh = now;
+  };
+  Random random(3);
+  for (int n = 0; n < 1000; ++n) {
+    Mesh now = before;
+    const Vec3 by_that{random.below(100) * 0.37, random.below(100) * 1e-7, 0};
+    for (Vec3& v : now.vertices) v = v + by_that;
+    // Whatever they are then, they are sure of nothing that is not so.
+    if (n % 3 == 0)
+      for (std::size_t v = box_vertices; v < now.vertices.size(); ++v) now.vertices[v].z *= -1;
+    become(now);
+    if (sums.surely_outwards()) {
+      EXPECT_TRUE(faces_outwards(mesh));
+    }
+  }
+  Mesh turned = before;
+  for (std::size_t v = box_vertices; v < turned.vertices.size(); ++v) turned.vertices[v].z *= -1;
+  become(turned);
+  EXPECT_FALSE(faces_outwards(mesh));
+  EXPECT_FALSE(sums.surely_outwards());
+  become(before);
+  EXPECT_TRUE(sums.surely_outwards());
+  become(flat(before));
+  EXPECT_FALSE(sums.surely_outwards());
+  Mesh huge = before;
+  for (Vec3& v : huge.vertices) v = v * 1e6;
+  become(huge);  // terms too large for their units
+  EXPECT_TRUE(!sums.surely_outwards() || faces_outwards(huge));
+}
+
+TEST(Outward, SumsOfOtherMeshes) {
+  EXPECT_FALSE(OutwardSums(reversed(box())).surely_outwards());
+  EXPECT_FALSE(OutwardSums(joined(box(), reversed(moved(sphere(), {1e6, 0, 0}, 1e-3)))).surely_outwards());
+  EXPECT_FALSE(OutwardSums(flat(box())).surely_outwards());
+  EXPECT_FALSE(OutwardSums(Mesh{{{0, 0, 0}}, {{0, 0, 0}}}).surely_outwards());
+  EXPECT_TRUE(OutwardSums(scenes::make("catapult", 3000)).surely_outwards() ||
+              !faces_outwards(scenes::make("catapult", 3000)));
+  Mesh unused = box();
+  unused.vertices.push_back({5, 5, 5});
+  EXPECT_TRUE(OutwardSums(unused).surely_outwards());
 }
 
 }  // namespace

@@ -203,9 +203,15 @@ class ThickBand final : public WindowGather {
     kernels_.clear(sink_->with_nearest(), state.brick);
     Cell tiles[kBrickTiles];
     const int count = halves(own.cell, tiles);
-    for (int n = 0; n < count; ++n) gather_tile(brick, own, tiles[n], state);
+    for (int n = 0; n < count; ++n)
+      if (is_wanted(tiles[n])) gather_tile(brick, own, tiles[n], state);
     write_brick(lattice_, brick, kernels_, state.brick, *sink_);
     progress_->advance();
+  }
+
+  bool is_wanted(const Cell& tile) const {
+    const auto at = [&](int axis) { return tile.low[axis] / kTileSide; };
+    return job_.wanted.empty() || job_.wanted[static_cast<std::size_t>(lattice_.tile(at(0), at(1), at(2)))] != 0;
   }
 
   void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, TileWork& state) {

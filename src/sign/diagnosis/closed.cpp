@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -76,47 +77,60 @@ EdgeHash hash_of_sides(const Place& a, const Place& b, const Place& c) {
   return hash_of_edge(a, b) ^ hash_of_edge(b, c) ^ hash_of_edge(c, a);
 }
 
-template <class Places>
-Closed is_closed(MeshView mesh, const Places& places) {
-  // An edge that is used equally often in both directions is used an even number of times.
-  if (sum_over<std::uint64_t>(mesh, std::plus<>(), places, twice_area) == 0) return {true, true};
-  const EdgeHash odd = sum_over<EdgeHash>(mesh, std::bit_xor<>(), places, hash_of_sides);
-  return {false, (odd.a | odd.b) == 0};
+// Calls use(places) with a function that has the place of each vertex.
+template <class Use>
+auto with_places(MeshView mesh, const Use& use) {
+  const std::size_t vertices = mesh.vertices.size();
+  // A welded mesh reads each vertex six times. Where it is read once or never, its place is not worth memory.
+  if (vertices > mesh.triangles.size())
+    return use([&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
+  const auto places = std::make_unique_for_overwrite<Place[]>(vertices);
+  tbb::parallel_for(TriangleRange(0, vertices, kClosedGrain), [&](const TriangleRange& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(mesh.vertices[v]);
+  });
+  return use([&](std::uint32_t vertex) { return places[vertex]; });
 }
 
 }  // namespace
 
 Closed is_closed(MeshView mesh) {
-  const std::size_t vertices = mesh.vertices.size();
-  // A welded mesh reads each vertex six times. Where it is read once or never, its place is not worth memory.
-  if (vertices > mesh.triangles.size())
-    return is_closed(mesh, [&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
-  const auto places = std::make_unique_for_overwrite<Place[]>(vertices);
-  tbb::parallel_for(TriangleRange(0, vertices, kClosedGrain), [&](const TriangleRange& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(mesh.vertices[v]);
+  return with_places(mesh, [&](const auto& places) -> Closed {
+    // An edge that is used equally often in both directions is used an even number of times.
+    if (sum_over<std::uint64_t>(mesh, std::plus<>(), places, twice_area) == 0) return {true, true};
+    const EdgeHash odd = sum_over<EdgeHash>(mesh, std::bit_xor<>(), places, hash_of_sides);
+    return {false, (odd.a | odd.b) == 0};
   });
-  return is_closed(mesh, [&](std::uint32_t vertex) { return places[vertex]; });
 }
 
-// The sums over all triangles that decide are sums in groups: those of a part can be exchanged.
-Closed same_edges(MeshView a, std::span<const std::uint32_t> of_a, MeshView b, std::span<const std::uint32_t> of_b) {
-  std::uint64_t area = 0;
+EdgeSums::EdgeSums(MeshView mesh) {
+  with_places(mesh, [&](const auto& places) {
+    area_ = sum_over<std::uint64_t>(mesh, std::plus<>(), places, twice_area);
+    const EdgeHash odd = sum_over<EdgeHash>(mesh, std::bit_xor<>(), places, hash_of_sides);
+    odd_ = {odd.a, odd.b};
+  });
+}
+
+EdgeSums::EdgeSums(MeshView mesh, std::span<const std::uint32_t> triangles) {
   EdgeHash odd;
-  const auto each = [](MeshView mesh, std::span<const std::uint32_t> triangles, const auto& use) {
-    for (const std::uint32_t triangle : triangles) {
-      const auto [p, q, r] = mesh.corners(triangle);
-      use(place_of(p), place_of(q), place_of(r));
-    }
-  };
-  each(a, of_a, [&](const Place& p, const Place& q, const Place& r) {
-    area -= twice_area(p, q, r);
+  for (const std::uint32_t triangle : triangles) {
+    const auto [a, b, c] = mesh.corners(triangle);
+    const Place p = place_of(a), q = place_of(b), r = place_of(c);
+    area_ += twice_area(p, q, r);
     odd = odd ^ hash_of_sides(p, q, r);
-  });
-  each(b, of_b, [&](const Place& p, const Place& q, const Place& r) {
-    area += twice_area(p, q, r);
-    odd = odd ^ hash_of_sides(p, q, r);
-  });
-  return {area == 0, (odd.a | odd.b) == 0};
+  }
+  odd_ = {odd.a, odd.b};
+}
+
+EdgeSums& EdgeSums::operator+=(const EdgeSums& other) {
+  area_ += other.area_;
+  for (std::size_t n = 0; n < odd_.size(); ++n) odd_[n] ^= other.odd_[n];
+  return *this;
+}
+
+EdgeSums& EdgeSums::operator-=(const EdgeSums& other) {
+  area_ -= other.area_;
+  for (std::size_t n = 0; n < odd_.size(); ++n) odd_[n] ^= other.odd_[n];
+  return *this;
 }
 
 // Whether a closed mesh faces outwards.
@@ -158,6 +172,9 @@ class VertexSets {
   std::vector<std::uint32_t> link_;
 };
 
+// What sums over a closed mesh may miss by rounding, as a share of the sums of magnitudes.
+constexpr double kRounding = 1e-12;
+
 struct ChunkSums {
   double volume = 0, volume_magnitude = 0;
   Vec3 normal;  // its length is the area
@@ -171,7 +188,6 @@ struct ChunkSums {
   }
   // The normals of a closed set add up to 0, and only then its volume does not depend on the origin.
   bool faces_outwards() const {
-    constexpr double kRounding = 1e-12;
     return max_norm(normal) <= kRounding * normal_magnitude && (!has_area() || volume > kRounding * volume_magnitude);
   }
   bool has_area() const { return normal_magnitude > 0; }
@@ -183,22 +199,34 @@ struct ChunkPart {
 };
 constexpr std::size_t kOutwardChunk = 1024, kOutwardChunks = 64;
 
-}  // namespace
-
-bool faces_outwards(MeshView mesh) {
-  const std::size_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
-  VertexSets sets(vertices);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 4096), [&](const auto& range) {
+// Joins the vertices of each triangle.
+VertexSets sets_of(MeshView mesh) {
+  VertexSets sets(mesh.vertices.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 4096), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const Triangle v = mesh.triangles[t];
       sets.join(v[0], v[1]);
       sets.join(v[1], v[2]);
     }
   });
-  std::vector<std::uint32_t> number(vertices);  // of each set, at its lowest vertex
+  return sets;
+}
+
+// Numbers the sets by their lowest vertices. Returns how many there are.
+std::uint32_t number_sets(VertexSets& sets, std::vector<std::uint32_t>& number) {
   std::uint32_t count = 0;
-  for (std::uint32_t v = 0; v < vertices; ++v)
+  for (std::uint32_t v = 0; v < number.size(); ++v)
     if (sets.find(v) == v) number[v] = count++;
+  return count;
+}
+
+}  // namespace
+
+bool faces_outwards(MeshView mesh) {
+  const std::size_t triangles = mesh.triangles.size();
+  VertexSets sets = sets_of(mesh);
+  std::vector<std::uint32_t> number(mesh.vertices.size());  // of each set, at its lowest vertex
+  const std::uint32_t count = number_sets(sets, number);
 
   // Sum up chunks side by side, then in their order, so that the bits do not depend on the number of threads. Most
   // neighbours in a chunk belong to one set.
@@ -230,6 +258,140 @@ std::int64_t outward_bytes(std::int64_t triangles) {
   // There are two numbers for each vertex, the sums of each set, and parts in vectors that double.
   return triangles * static_cast<std::int64_t>(3 * 8 + sizeof(ChunkSums)) +
          2 * std::min(triangles, kMostParts) * static_cast<std::int64_t>(sizeof(ChunkPart));
+}
+
+// The same, kept. The terms are those of faces_outwards(), with an origin of their own, rounded down to multiples of a
+// power of two that leaves 80 bits to their sum. So a triangle that moves to and fro leaves nothing behind.
+
+namespace {
+
+// 2^32 terms of the largest size still add up to less than 2^127.
+constexpr int kFixedBits = 80, kMostFixedBits = 94;
+
+// x / 2^unit, rounded down. Nothing if that is 2^kMostFixedBits or more, or no number.
+std::optional<__int128> fixed(double x, int unit) {
+  if (x == 0) return 0;
+  if (!std::isfinite(x)) return std::nullopt;
+  int exponent;
+  const double fraction = std::frexp(x, &exponent);
+  const auto digits = static_cast<std::int64_t>(std::ldexp(fraction, 53));
+  if (exponent - unit > kMostFixedBits) return std::nullopt;
+  const int shift = exponent - 53 - unit;
+  if (shift >= 0) return static_cast<__int128>(digits) * (static_cast<__int128>(1) << shift);
+  return shift > -63 ? digits >> -shift : digits >> 63;
+}
+
+int unit_for(double magnitude) {
+  return magnitude > 0 && std::isfinite(magnitude) ? std::ilogb(magnitude) - kFixedBits : 0;
+}
+
+double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<double>(count), unit); }
+
+}  // namespace
+
+OutwardSums::OutwardSums(MeshView mesh) : set_of_(mesh.vertices.size()) {
+  VertexSets sets = sets_of(mesh);
+  std::vector<std::uint32_t> number(mesh.vertices.size());
+  sets_.resize(number_sets(sets, number));
+  for (std::uint32_t v = 0; v < set_of_.size(); ++v) {
+    const std::uint32_t lowest = sets.find(v);
+    set_of_[v] = number[lowest];
+    if (lowest == v) sets_[set_of_[v]].origin = mesh.vertices[v], sets_[set_of_[v]].first = v;
+  }
+  // First the magnitudes, in double, for the units.
+  struct Magnitudes {
+    double reach = 0, normal = 0;
+  };
+  std::vector<Magnitudes> magnitudes(sets_.size());
+  const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  std::uint32_t last = 0;
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const std::uint32_t n = set_of_[mesh.triangles[t][0]];
+    const Terms terms = terms_of(mesh, t, sets_[n]);
+    magnitudes[n].reach += terms.reach;
+    magnitudes[n].normal += terms.normal_length;
+    sets_[n].runs += t % kOutwardChunk == 0 || n != last;
+    last = n;
+  }
+  for (std::size_t n = 0; n < sets_.size(); ++n) {
+    sets_[n].volume_unit = unit_for(magnitudes[n].reach);
+    sets_[n].normal_unit = unit_for(magnitudes[n].normal);
+  }
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    Set& set = sets_[set_of_[mesh.triangles[t][0]]];
+    add(set, terms_of(mesh, t, set), 1);
+  }
+  for (Set& set : sets_) {
+    set.is_sure = is_sure(set, mesh);
+    unsure_ += !set.is_sure;
+    with_area_ += set.triangles_with_area > 0;
+  }
+}
+
+std::int64_t OutwardSums::bytes(std::int64_t triangles, std::int64_t vertices) {
+  constexpr std::int64_t kWhileMade = 2 * sizeof(std::uint32_t) + 2 * sizeof(double);
+  return vertices * static_cast<std::int64_t>(sizeof(std::uint32_t) + kWhileMade) +
+         std::min(triangles, vertices) * static_cast<std::int64_t>(sizeof(Set));
+}
+
+OutwardSums::Terms OutwardSums::terms_of(MeshView mesh, std::uint32_t triangle, const Set& set) const {
+  const auto [a, b, c] = mesh.corners(triangle);
+  const Vec3 normal = cross(b - a, c - a), from = a - set.origin;
+  const double length = max_norm(normal);
+  return {dot(from, normal), max_norm(from) * length, length, normal};
+}
+
+void OutwardSums::add(Set& set, const Terms& terms, int times) {
+  const auto put = [&](Fixed& sum, double term, int unit) {
+    if (const auto count = fixed(term, unit))
+      sum += times * *count;
+    else
+      set.is_lost = true;
+  };
+  put(set.volume, terms.volume, set.volume_unit);
+  put(set.reach, terms.reach, set.volume_unit);
+  for (std::size_t axis = 0; axis < 3; ++axis) put(set.normal[axis], terms.normal[axis], set.normal_unit);
+  put(set.normal_length, terms.normal_length, set.normal_unit);
+  set.triangles_with_area += static_cast<std::uint32_t>(times * (terms.normal_length > 0));
+}
+
+// Bounds what faces_outwards() finds of the set, whose origin is the lowest vertex as it is now. With d from one origin
+// to the other, a volume changes by dot(d, sum of normals), which is at most 3 |d| |sum| in the largest norms, and the
+// magnitude of each product by 3 |d| |normal|. A sum of n numbers in double is off by at most n units of rounding of
+// their magnitudes: those of a run of a chunk, and the sums of runs. The factor covers the terms' own rounding.
+bool OutwardSums::is_sure(const Set& set, MeshView mesh) const {
+  if (set.triangles_with_area == 0) return !set.is_lost;
+  const double d = max_norm(mesh.vertices[set.first] - set.origin);
+  const double normals = times_unit(set.normal_length, set.normal_unit),
+               volume = times_unit(set.volume, set.volume_unit),
+               reach = 3 * (times_unit(set.reach, set.volume_unit) + d * normals);
+  double sum = 0;
+  for (const Fixed& along : set.normal) sum = std::max(sum, std::abs(times_unit(along, set.normal_unit)));
+  const double rounding = (kOutwardChunk + 64.0 + set.runs) * 0x1p-53;
+  const double off = rounding * normals;
+  const bool cancels = sum + off <= kRounding * (normals - off);
+  return !set.is_lost && std::isfinite(reach) && cancels &&
+         volume - 3 * d * (sum + off) > 2 * (kRounding + rounding) * reach;
+}
+
+void OutwardSums::judge(Set& set, MeshView mesh) {
+  unsure_ -= !set.is_sure;
+  set.is_sure = is_sure(set, mesh);
+  unsure_ += !set.is_sure;
+}
+
+void OutwardSums::follow(MeshView before, MeshView after, std::span<const std::uint32_t> triangles) {
+  std::vector<std::uint32_t> touched;
+  for (const std::uint32_t t : triangles) {
+    const std::uint32_t n = set_of_[after.triangles[t][0]];
+    if (touched.empty() || touched.back() != n) touched.push_back(n);
+    Set& set = sets_[n];
+    with_area_ -= set.triangles_with_area > 0;
+    add(set, terms_of(before, t, set), -1);
+    add(set, terms_of(after, t, set), 1);
+    with_area_ += set.triangles_with_area > 0;
+  }
+  for (const std::uint32_t n : touched) judge(sets_[n], after);
 }
 
 }  // namespace standoff

@@ -203,15 +203,15 @@ std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid,
   return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
 }
 
-void IntegerWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
+void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
   std::int32_t winding = 0;
   int row = -1;
-  for (const RowCrossing& crossing : crossings_.of_tiles(ty, tz)) {
+  for (const RowCrossing& crossing : crossings) {
     winding = crossing.row() == row ? winding : 0;
     row = crossing.row();
-    const bool before = is_inside(winding, rule_);
+    const bool before = is_inside(winding, rule);
     winding += crossing.step();
-    rows.toggle(row, crossing.past(), is_inside(winding, rule_) != before);
+    rows.toggle(row, crossing.past(), is_inside(winding, rule) != before);
   }
   rows.finish_toggles();
 }

@@ -60,6 +60,8 @@ class RowCrossings {
     return std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
   }
 
+  std::int64_t rows_of_tiles() const { return rows_of_tiles_; }
+
   /// What all crossings of a grid take while they are found, about, if all of the mesh is beside the grid's rows.
   static double expected_bytes(const OrientedMesh& mesh, const Grid& grid);
   /// The least value of `bytes` for a mesh, which is enough for one row.
@@ -83,6 +85,9 @@ class RowCrossings {
   std::vector<RowCrossing> crossings_;
 };
 
+/// Marks the samples inside of the 64 rows of some tiles by their crossings, sorted, of a closed mesh.
+void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows);
+
 /// The signs in a closed mesh: its winding number is an integer, the sum of the crossings of a row.
 class IntegerWinding final : public SampleSigns {
  public:
@@ -94,7 +99,9 @@ class IntegerWinding final : public SampleSigns {
       : crossings_(mesh, grid, progress, bytes), rule_(rule) {}
 
   std::int64_t load(std::int64_t first) override { return crossings_.load(first); }
-  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
+  void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override {
+    fill_between(crossings_.of_tiles(ty, tz), rule_, rows);
+  }
 
  private:
   RowCrossings crossings_;
