@@ -233,7 +233,7 @@ std::string FieldUpdate::find_windows() {
   report_.tiles_computed = dirty.count();
   plan_ = make_plan(plan_->triangles, grid, field_.thickness(), options_, false, largest_window());
   if (const std::int64_t limit = memory_limit_of(options_); limit != 0 && bytes_needed(*plan_) > limit)
-    check_memory(after_, *plan_, scan_mesh(after_, *plan_, !plan_->is_dense).tiles, options_);
+    check_memory(after_, *plan_, scan_mesh(after_, *plan_, !plan_->is_dense).counts, options_);
   return {};
 }
 
