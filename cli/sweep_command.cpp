@@ -95,7 +95,8 @@ void add_sweep(CLI::App& program) {
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},
              [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMaxMargin); });
-  add_parsed(*verb, {"--max-steps", "N", "give up after so many steps, of about 1 us each (default: no limit)", "Question"},
+  add_parsed(*verb,
+             {"--max-steps", "N", "give up after so many steps, of about 1 us each (default: no limit)", "Question"},
              [command = command.get()](S o, S t) {
                command->options.max_steps = parse_count(o, t, 1, std::numeric_limits<std::int64_t>::max());
              });

@@ -184,8 +184,8 @@ struct SweepOptions {
   /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
   /// may move bodies that far.
   double tolerance = 0;
-  /// The most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes about a
-  /// microsecond. A sweep that needs more is not decided.
+  /// The most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes about
+  /// a microsecond. A sweep that needs more is not decided.
   std::int64_t max_steps = 0;
 };
 

@@ -20,8 +20,8 @@ struct MovingNodes {
   double time;
   std::uint32_t resting, moving;
   std::int8_t resting_level, moving_level;
-  bool stuck = false;    ///< their boxes are known to show no later time
-  float share = 1;       ///< of time_of_size(): how long leaves are followed at once
+  bool stuck = false;  ///< their boxes are known to show no later time
+  float share = 1;     ///< of time_of_size(): how long leaves are followed at once
 
   bool is_leaf() const { return resting_level == 0 && moving_level == 0; }
 };
@@ -54,12 +54,12 @@ class MovingNodePairs {
   /// How long the moving box takes to move by half the diagonal of the larger one, at least.
   double time_of_size(const MovingNodes& nodes) { return time_of_size(boxes_of(nodes)); }
 
-  /// Opens the larger node of a pair that is no leaf: writes the pairs with its children that may meet before `end`, and
-  /// returns their number.
+  /// Opens the larger node of a pair that is no leaf: writes the pairs with its children that may meet before `end`,
+  /// and returns their number.
   int open(const MovingNodes& nodes, double end, std::array<MovingNodes, kLanes>& children) {
     const Boxes boxes = boxes_of(nodes);
-    const bool opens_resting = nodes.moving_level == 0 ||
-                               (nodes.resting_level > 0 && size_sq(boxes.resting) >= size_sq(boxes.moving));
+    const bool opens_resting =
+        nodes.moving_level == 0 || (nodes.resting_level > 0 && size_sq(boxes.resting) >= size_sq(boxes.moving));
     const BodyBvh& bvh = (opens_resting ? resting_ : moving_).body->bvh;
     const int level = opens_resting ? nodes.resting_level : nodes.moving_level;
     const std::uint32_t number = opens_resting ? nodes.resting : nodes.moving;
@@ -142,8 +142,9 @@ class MovingNodePairs {
   }
 
   static DoubleObb in_double(const Obb& box) {
-    const auto vec = [](const float (&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
-    return {vec(box.center), {vec(box.axis[0]), vec(box.axis[1]), vec(box.axis[2])},
+    const auto vec = [](const float(&v)[3]) { return Vec3{v[0], v[1], v[2]}; };
+    return {vec(box.center),
+            {vec(box.axis[0]), vec(box.axis[1]), vec(box.axis[2])},
             {box.half[0], box.half[1], box.half[2]}};
   }
   // A box of the moving body in the resting one's frame.

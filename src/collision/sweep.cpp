@@ -127,7 +127,7 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
   const double on_the_way = kDoublePrecisionSlack * (length(path.velocity) + length(path.center));
-  return tolerance / 2 + pair.pose_slack + on_the_way + time_rounding(path);
+  return tolerance + pair.pose_slack + on_the_way + time_rounding(path);
 }
 
 namespace {
@@ -220,8 +220,7 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, co
                .device = execution.device,
                .stack = stack});
     const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
-      return decided(prepared[n], answers[n]) ? SweepResult{}
-                                              : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
+      return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {

@@ -82,11 +82,11 @@ inline constexpr double kLookAhead = 1.0;
 /// A probe is small if its radius times this is less than the target's. Measured on flies in labyrinths and on scans:
 /// between 4 and 30 it makes no difference.
 inline constexpr double kSmallProbe = 8;
-/// A pair of nodes is advanced while it moves by more than this share of the smaller box in a step: shorter steps cost
+/// A pair of nodes is advanced while it moves by more than this share of the larger box in a step: shorter steps cost
 /// more than its children's.
 inline constexpr double kWorthwhileNodeStep = 0.1;
-/// The triangles of two leaves are followed for the time in which they move by the size of the smaller box; for a
-/// shorter one, but not for less than this share of it, while more pairs than this may meet.
+/// The triangles of two leaves are followed for the time in which they move by the larger box's size; for a shorter
+/// one, but not for less than this share of it, while more pairs than this may meet.
 inline constexpr float kLeastShare = 0.03f;
 inline constexpr int kPairsAtOnce = 16;
 

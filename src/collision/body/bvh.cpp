@@ -182,8 +182,8 @@ BodyBvh build_bvh(MeshView mesh, Vec3 middle, ProgressMeter& progress) {
   tbb::parallel_for(std::size_t{0}, centers.size(), [&](std::size_t n) {
     const Vec3 a = mesh.corner(n, 0) - middle, b = mesh.corner(n, 1) - middle, c = mesh.corner(n, 2) - middle;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto [low, high] = std::minmax(
-          {static_cast<float>(a[axis]), static_cast<float>(b[axis]), static_cast<float>(c[axis])});
+      const auto [low, high] =
+          std::minmax({static_cast<float>(a[axis]), static_cast<float>(b[axis]), static_cast<float>(c[axis])});
       centers[n].at[axis] = low + (high - low) / 2;
     }
     centers[n].triangle = static_cast<std::uint32_t>(n);

@@ -37,9 +37,8 @@ struct Kernels {
   /// Writes, for each of sixteen resting triangles, bits of the moving ones that may come within `keep` of it during
   /// `duration`: that neither one of the axes, unit vectors, nor the normal of a triangle separates from it.
   void (*approaching_triangles)(const DoubleTriangles& resting, const DoubleTriangles& moving,
-                                const DoubleTransform& to_resting, const RigidVelocity&,
-                                const Vec3 (&axes)[kLeafAxes], double keep, double duration,
-                                std::uint32_t* moving_lanes);
+                                const DoubleTransform& to_resting, const RigidVelocity&, const Vec3 (&axes)[kLeafAxes],
+                                double keep, double duration, std::uint32_t* moving_lanes);
   /// Transforms 16 triangles into another frame, and writes their boxes grown by `by`; `all` becomes the box around
   /// them.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,

@@ -8,7 +8,7 @@
 #include "bvh/overlapping.inl"
 #include "collision/body/kernel_data.h"
 #include "collision/cpu/kernels.h"
-#include "collision/tolerances.h"
+#include "collision/cpu/moving_kernels.inl"
 #include "geometry/closest_pair.h"
 #include "geometry/overlap_penetration.h"
 #include "simd/points.inl"
@@ -155,8 +155,6 @@ int near_triangles(const Triangle16& first, const float (&center)[3], int count,
   }
   return found;
 }
-
-#include "collision/cpu/moving_kernels.inl"
 
 // Pairs of triangles are excluded by their boxes and by two separating axes.
 

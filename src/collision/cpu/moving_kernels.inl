@@ -1,8 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long pairs of boxes stay apart when one of the two moves, and which pairs of triangles may meet: part of
-// kernels.inl. docs/sweep.md derives the bounds.
+// How long pairs of boxes stay apart when one of the two moves, and which pairs of triangles may meet, in double
+// precision. docs/sweep.md derives the bounds. No operations are fused, so all sets give the same bits.
+#pragma once
 
-STANDOFF_INLINE DoublePoint same_points(const Vec3& at) { return {WideDouble(at.x), WideDouble(at.y), WideDouble(at.z)}; }
+#include <cstdint>
+#include <limits>
+
+#include "collision/body/kernel_data.h"
+#include "geometry/closest_pair.h"
+#include "geometry/triangle_overlap.h"
+#include "simd/points.inl"
+
+namespace standoff::collision::STANDOFF_TARGET {
+
+using namespace standoff::STANDOFF_TARGET;
+
+namespace {
+
+STANDOFF_INLINE DoublePoint same_points(const Vec3& at) {
+  return {WideDouble(at.x), WideDouble(at.y), WideDouble(at.z)};
+}
 STANDOFF_INLINE DoublePoint load_eight(const float (&at)[3][kLanes], int first) {
   return {WideDouble::load(at[0] + first), WideDouble::load(at[1] + first), WideDouble::load(at[2] + first)};
 }
@@ -63,7 +80,7 @@ class MovingBoxes {
   // box approaches by at most a s + b s^2 / 2, and by at most c s: a is the largest speed of such points towards the
   // resting box now, b bounds their acceleration, and c their speed at any time.
   STANDOFF_INLINE WideDouble free_time(const DoublePoint& axis) const {
-    const WideDouble zero(0), two(2), never(2 * kNever), along = plain_dot(axis, offset_);
+    const WideDouble zero(0), two(2), never(std::numeric_limits<double>::infinity()), along = plain_dot(axis, offset_);
     const DoublePoint n = select(less(along, zero), axis * WideDouble(-1.0), axis), q = plain_cross(n, rotation_);
     const WideDouble by_linear = -plain_dot(n, linear_);
     WideDouble gap = magnitude(along) - keep_, a = by_linear - plain_dot(q, arm_);
@@ -80,7 +97,7 @@ class MovingBoxes {
     const WideDouble by_speed = select(less(zero, c), gap / c, never);
     // If b is 0, so is the part of a and c that comes from the rotation, and the speed alone decides.
     const WideDouble time = max(by_speed, select(less(zero, b), by_acceleration, zero));
-    return select(less(zero, gap), min(time, never), zero);
+    return select(less(zero, gap), time, zero);
   }
 
  private:
@@ -147,7 +164,9 @@ STANDOFF_INLINE Covered covered(const DoublePoint (&corner)[3], const DoublePoin
   const WideDouble at[3] = {plain_dot(n, corner[0]), plain_dot(n, corner[1]), plain_dot(n, corner[2])};
   return {min(at[0], min(at[1], at[2])), max(at[0], max(at[1], at[2]))};
 }
-STANDOFF_INLINE WideDouble gap_between(const Covered& a, const Covered& b) { return max(a.low - b.high, b.low - a.high); }
+STANDOFF_INLINE WideDouble gap_between(const Covered& a, const Covered& b) {
+  return max(a.low - b.high, b.low - a.high);
+}
 
 struct alignas(64) DoublesOfLanes {
   double low[kLanes], high[kLanes];
@@ -157,8 +176,7 @@ struct alignas(64) DoublesOfLanes {
 
 void approaching_triangles(const DoubleTriangles& resting, const DoubleTriangles& moving,
                            const DoubleTransform& to_resting, const RigidVelocity& velocity,
-                           const Vec3 (&axes)[kLeafAxes], double keep_all, double lasts,
-                           std::uint32_t* moving_lanes) {
+                           const Vec3 (&axes)[kLeafAxes], double keep_all, double lasts, std::uint32_t* moving_lanes) {
   constexpr int kEight = WideDouble::kLanes, kHalves = kLanes / kEight;
   const WideDouble keep(keep_all), duration(lasts);
   const DoublePoint rotation = same_points(velocity.rotation);
@@ -217,3 +235,6 @@ void approaching_triangles(const DoubleTriangles& resting, const DoubleTriangles
     }
   }
 }
+
+}  // namespace
+}  // namespace standoff::collision::STANDOFF_TARGET
