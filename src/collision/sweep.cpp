@@ -127,7 +127,7 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
   const double on_the_way = kDoublePrecisionSlack * (length(path.velocity) + length(path.center));
-  return tolerance + pair.pose_slack + on_the_way + time_rounding(path);
+  return kNodeReserve * tolerance + pair.pose_slack + on_the_way + time_rounding(path);
 }
 
 namespace {

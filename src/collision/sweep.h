@@ -38,7 +38,7 @@ double pose_rounding(const QueryPair& pair, const AxisAngleMotion& path);
 /// The distance that bounding spheres leave between themselves and the surface after every step.
 float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
-/// The distance that pairs of nodes leave: the tolerance, and what double precision may lose.
+/// The distance that pairs of nodes leave: most of the tolerance, and what double precision may lose.
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
 /// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends undecided after

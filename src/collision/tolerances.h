@@ -67,6 +67,11 @@ inline constexpr double kTimeRounding = 4e-16;
 /// rounding.
 inline constexpr double kSureDirection = 1e-3;
 
+/// The share of a sweep's tolerance that boxes leave between them. Below 1, so that the first triangles that are looked
+/// at where boxes stop are a hit, and all that waits behind it is dropped. Smaller: what passes within the tolerance is
+/// a hit less often. At least a half, which the triangles keep.
+inline constexpr double kNodeReserve = 0.9375;
+
 /// A time after the end of every motion, which is 1.
 inline constexpr double kNever = 2;
 
