@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff sweep: when does a moving body first touch a resting one?
+#include <limits>
 #include <memory>
 
 #include "cli/batch_query.h"
@@ -38,12 +39,13 @@ void SweepCommand::run_batch() {
   const auto found = batch.answers(
       console, motions.size(), [&] { return sweep_all(a, bodies.pose_a(), b, motions, options, batch.execution()); });
   Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
-  std::int64_t hits = 0;
+  std::int64_t hits = 0, undecided = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
     const SweepResult& it = found[n];
     hits += it.hit;
+    undecided += !it.decided;
     answers.table.cell(static_cast<std::int64_t>(n));
-    answers.table.cell(it.hit ? "hit" : "free");
+    answers.table.cell(it.hit ? "hit" : it.decided ? "free" : "undecided");
     answers.table.cell(it.time);
     answers.table.point(it.hit, it.point);
     answers.table.point(it.hit, it.normal);
@@ -51,7 +53,8 @@ void SweepCommand::run_batch() {
     answers.table.triangle(it.triangle_b);
     answers.table.end_row();
   }
-  answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits}, {"hit", hits}};
+  answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits - undecided}, {"hit", hits}};
+  if (options.max_steps != 0) answers.counts.push_back({"undecided", undecided});
   batch.deliver("sweep", answers, console);
 }
 
@@ -63,7 +66,7 @@ void SweepCommand::run() {
   const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
   if (console.json()) {
     Json json = json_answer("sweep");
-    json["hit"] = found.hit;
+    json["hit"] = found.decided ? Json(found.hit) : Json();
     json["time"] = found.time;
     json["point"] = found.hit ? json_point(found.point) : Json();
     json["normal"] = found.hit ? json_point(found.normal) : Json();
@@ -71,6 +74,8 @@ void SweepCommand::run() {
     json["triangle_b"] = json_triangle(found.triangle_b);
     return print(json);
   }
+  if (!found.decided)
+    return print("free until time " + exact_number(found.time) + " of 1; not decided after that in so many steps\n");
   if (!found.hit) return print(std::string("free during the whole motion\n"));
   print("hit at time " + exact_number(found.time) + " of 1, at " + point_text(found.point) + ": triangle " +
         std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B\n");
@@ -90,6 +95,11 @@ void add_sweep(CLI::App& program) {
              [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},
              [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMaxMargin); });
+  add_parsed(*verb,
+             {"--max-steps", "N", "give up after so many steps, of about 1 us each (default: no limit)", "Question"},
+             [command = command.get()](S o, S t) {
+               command->options.max_steps = parse_count(o, t, 1, std::numeric_limits<std::int64_t>::max());
+             });
   command->batch
       .add_to(*verb, "--motions",
               "where B starts and ends, many times: a file with the\nnumbers of --from and --to on each line, - for "

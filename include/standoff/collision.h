@@ -184,6 +184,9 @@ struct SweepOptions {
   /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
   /// may move bodies that far.
   double tolerance = 0;
+  /// The most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes about
+  /// a microsecond. A sweep that needs more is not decided.
+  std::int64_t max_steps = 0;
 };
 
 /// The default tolerance of a sweep: 2^-15 (3e-5) of the longest side of the smaller body's box, but at least 2^-40
@@ -193,12 +196,15 @@ STANDOFF_API double automatic_tolerance(const Body& a, const Body& b);
 struct SweepResult {
   bool hit = false;
   /// The time of impact: the bodies do not intersect during [0, time) and are within the tolerance at `time`. 1 if
-  /// there is no hit.
+  /// there is no hit and the sweep is decided.
   double time = 1;
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
   Vec3 point;   ///< where they touch at `time`, in the world
   Vec3 normal;  ///< unit length, from a to b; zero if the bodies intersect at the start
+  /// False if the sweep ended after SweepOptions::max_steps: there is no hit, and the bodies do not intersect during
+  /// [0, time); what comes after is not known.
+  bool decided = true;
 };
 
 /// When the moving body b first touches the resting body a, by conservative advancement (docs/sweep.md). If the bodies

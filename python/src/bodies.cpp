@@ -82,14 +82,15 @@ nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, 
                         triangle_b.finish());
 }
 
-// hit, time, point, normal, triangle_a, triangle_b
+// hit, time, point, normal, triangle_a, triangle_b, decided
 nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& from, const PoseInput& to,
-                      std::array<double, 3> center, double tolerance, int threads, const std::string& device,
-                      const nb::object& progress) {
+                      std::array<double, 3> center, double tolerance, std::int64_t max_steps, int threads,
+                      const std::string& device, const nb::object& progress) {
   const std::size_t count = from.shape(0);
-  NewArray<std::uint8_t> hit({count});
+  NewArray<std::uint8_t> hit({count}), decided({count});
   NewArray<double> time({count}), point({count, 3}), normal({count, 3});
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
+  const SweepOptions options{.tolerance = tolerance, .max_steps = max_steps};
   const Execution execution = execution_of(threads, device);
   const Pose at = pose_of(pose_a, 0);
   const std::vector<Pose> first_poses = poses_of(from), last_poses = poses_of(to);
@@ -98,11 +99,11 @@ nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, con
     motions[n] = {first_poses[n], last_poses[n], {center[0], center[1], center[2]}};
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
     const auto results =
-        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), {.tolerance = tolerance}, execution)
-            .results;
+        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), options, execution).results;
     for (std::size_t n = first; n < last; ++n) {
       const SweepResult& r = results[n - first];
       hit[n] = r.hit ? 1 : 0;
+      decided[n] = r.decided ? 1 : 0;
       time[n] = r.time;
       put(point, n, r.point);
       put(normal, n, r.normal);
@@ -111,7 +112,7 @@ nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, con
     }
   });
   return nb::make_tuple(hit.finish(), time.finish(), point.finish(), normal.finish(), triangle_a.finish(),
-                        triangle_b.finish());
+                        triangle_b.finish(), decided.finish());
 }
 
 // point, normal, depth, triangle_a, triangle_b, overflow
@@ -164,7 +165,7 @@ void add_bodies(nb::module_& m) {
   m.def("distance", &distance_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "tolerance"_a,
         "limit"_a, "threads"_a, "progress"_a.none());
   m.def("sweep", &sweep_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "end"_a.noconvert(),
-        "center"_a, "tolerance"_a, "threads"_a, "device"_a, "progress"_a.none());
+        "center"_a, "tolerance"_a, "max_steps"_a, "threads"_a, "device"_a, "progress"_a.none());
   m.def("contacts", &contacts_of, "a"_a, "pose_a"_a.noconvert(), "b"_a, "pose_b"_a.noconvert(), "most"_a, "margin"_a);
 }
 

@@ -151,7 +151,7 @@ class Sweeps:
     hit: Any
     """``(...)`` bool."""
     time: Any
-    """``(...)``: from 0 to 1; the bodies do not intersect before. 1 if there is no hit."""
+    """``(...)``: from 0 to 1; the bodies do not intersect before. 1 if there is no hit and the sweep is decided."""
     point: Any
     """``(..., 3)``: where they touch, in the world."""
     normal: Any
@@ -160,6 +160,9 @@ class Sweeps:
     """``(...)`` integers."""
     triangle_b: Any
     """``(...)`` integers."""
+    decided: Any
+    """``(...)`` bool: False where the sweep ended after ``max_steps``, without a hit; what comes after `time` is not
+    known."""
 
 
 class _Poses:
@@ -318,6 +321,7 @@ def sweep(
     pose_a: Any = None,
     center: Any = (0.0, 0.0, 0.0),
     tolerance: float = 0.0,
+    max_steps: int = 0,
     threads: int = 0,
     device: str = "auto",
     progress: Progress = None,
@@ -329,6 +333,8 @@ def sweep(
         start, end: poses of b at time 0 and 1, as for `collide`, equally many.
         center: the point of b, in its own coordinates, that moves on a straight line while b turns about it.
         tolerance: surfaces within this distance count as touching, world units; 0: a small part of the bodies' size.
+        max_steps: the most steps of a sweep, of about a microsecond each; a sweep that needs more is not decided. 0: no
+            limit.
         threads, device, progress: as for `field`.
     """
     body_a, body_b = _both(a, b)
@@ -337,7 +343,7 @@ def sweep(
         raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
     point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
-        hit, time, touch, normal, triangle_a, triangle_b = _core.sweep(
+        hit, time, touch, normal, triangle_a, triangle_b, decided = _core.sweep(
             body_a,
             _one(pose_a, "pose_a"),
             body_b,
@@ -345,10 +351,12 @@ def sweep(
             last.array,
             point,
             number(tolerance, "tolerance"),
+            whole_number(max_steps, "max_steps"),
             *runs_on(threads, device),
             report,
         )
-    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *_triangles(triangle_a, triangle_b))))
+    triangles = _triangles(triangle_a, triangle_b)
+    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *triangles, decided == 1)))
 
 
 def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:

@@ -124,6 +124,16 @@ def test_sweeps():
     assert exact == pytest.approx(2 / 3, abs=1e-8)
 
 
+def test_a_sweep_may_end_undecided():
+    start, end = pose((3, 0, 0)), pose((-3, 0, 0), (0, 0, 1), 1)
+    whole = so.sweep(CUBE, CUBE, start, end)
+    assert whole.hit and whole.decided
+    early = so.sweep(CUBE, CUBE, start, end, max_steps=1)
+    assert not early.decided and not early.hit and 0 <= early.time <= whole.time
+    with pytest.raises(ValueError, match="must not be negative"):
+        so.sweep(CUBE, CUBE, start, end, max_steps=-1)
+
+
 def test_triangles_are_those_of_their_body():
     poses = np.stack([pose((1.2, 0.1 * n, 0)) for n in range(-5, 6)])
     start = np.stack([pose((4, 0.1 * n, 0)) for n in range(-5, 6)])

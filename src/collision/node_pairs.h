@@ -35,17 +35,13 @@ inline std::array<Vec3, 3> axes_about(const Vec3& v) {
   return {first, second, cross(first, second)};
 }
 
-/// A probe is small if its radius times this is less than the target's. Measured on flies in labyrinths and on scans:
-/// between 4 and 30 it makes no difference.
-inline constexpr double kSmallProbe = 8;
-
 class NodePairs {
  public:
   explicit NodePairs(const QueryPair& pair)
       : pair_(pair),
         target_(pair.target.body->bvh),
         probe_(pair.probe.body->bvh),
-        probe_is_small_(kSmallProbe * pair.probe.body->radius < pair.target.body->radius) {}
+        probe_is_small_(pair.probe_is_small()) {}
 
   NodePair root() const {
     return {0, 0, 0, static_cast<std::int8_t>(target_.top()), static_cast<std::int8_t>(probe_.top())};
@@ -160,8 +156,6 @@ class NodePairs {
 
   const QueryPair& pair_;
   const BodyBvh &target_, &probe_;
-  // If the probe is small, the target's field gives better bounds for its spheres than boxes do: it covers the whole
-  // target at once.
   const bool probe_is_small_;
   bool has_axes_ = false;
   float target_axes_[3][3], probe_axes_[3][3];

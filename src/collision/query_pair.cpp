@@ -17,8 +17,10 @@ double rigid_error(const Pose& pose) {
   return off;
 }
 
-// The pose with its matrix made orthonormal, up to rounding.
+}  // namespace
+
 Pose orthonormal(Pose pose) {
+  if (!(rigid_error(pose) > kOrthonormal)) return pose;
   auto& r = pose.rotation;
   const Vec3 first{r[0], r[1], r[2]}, second{r[3], r[4], r[5]};
   const Vec3 x = first * (1 / length(first)), across = second - x * dot(x, second);
@@ -27,7 +29,17 @@ Pose orthonormal(Pose pose) {
   return pose;
 }
 
-}  // namespace
+Pose relative_pose(const Pose& frame, const Vec3& origin, const Pose& pose, const Vec3& middle) {
+  Pose relative;
+  for (int column = 0; column < 3; ++column) {
+    const auto& r = pose.rotation;
+    const Vec3 rotated = rotate_back(frame, {r[column], r[3 + column], r[6 + column]});
+    relative.rotation[column] = rotated.x, relative.rotation[3 + column] = rotated.y,
+    relative.rotation[6 + column] = rotated.z;
+  }
+  relative.translation = rotate_back(frame, apply(pose, middle) - origin);
+  return relative;
+}
 
 QueryPair::QueryPair(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b, const Kernels& with_kernels)
     : target(data_of(a), pose_a),
@@ -38,15 +50,8 @@ QueryPair::QueryPair(const Body& a, const Pose& pose_a, const Body& b, const Pos
   // relative = frame^-1 (the probe's pose), for coordinates relative to the middles.
   const Pose &f = target.pose, &t = probe.pose;
   const double off = rigid_error(f);
-  frame = off > kOrthonormal ? orthonormal(f) : f;
-  for (int column = 0; column < 3; ++column) {
-    const auto& r = t.rotation;
-    const Vec3 rotated = rotate_back(frame, {r[column], r[3 + column], r[6 + column]});
-    relative.rotation[column] = rotated.x, relative.rotation[3 + column] = rotated.y,
-    relative.rotation[6 + column] = rotated.z;
-  }
-  const Vec3 world_middle = apply(t, probe.body->middle) - apply(f, target.body->middle);
-  relative.translation = rotate_back(frame, world_middle);
+  frame = orthonormal(f);
+  relative = relative_pose(frame, apply(f, target.body->middle), t, probe.body->middle);
   const Vec3 d = relative.translation;
   for (int n = 0; n < 9; ++n) transform.rotation[n] = static_cast<float>(relative.rotation[n]);
   transform.translation[0] = static_cast<float>(d.x);

@@ -45,6 +45,13 @@ struct PlacedBody {
   }
 };
 
+/// The pose with its matrix made orthonormal, up to rounding.
+Pose orthonormal(Pose pose);
+
+/// Takes coordinates relative to `middle` of a body at a pose to coordinates relative to the point `origin` of the
+/// world in an orthonormal frame.
+Pose relative_pose(const Pose& frame, const Vec3& origin, const Pose& pose, const Vec3& middle);
+
 /// A triangle of body a and one of body b, by their indices in the meshes.
 struct TrianglesOfBoth {
   std::uint32_t a, b;
@@ -77,6 +84,9 @@ struct QueryPair {
     return swapped ? TrianglesOfBoth{second, first} : TrianglesOfBoth{first, second};
   }
 
+  /// Whether the target's field, which covers the whole target at once, gives better bounds for the probe's spheres
+  /// than boxes do.
+  bool probe_is_small() const { return kSmallProbe * probe.body->radius < target.body->radius; }
   /// A lower bound of the distance: from the probe's bounding sphere to the target's box.
   double root_gap() const;
   /// If spheres or boxes are farther apart than this in single precision, they are farther apart than the margin.

@@ -111,11 +111,23 @@ double pose_rounding(const QueryPair& pair, const AxisAngleMotion& path) {
   return kPoseRounding * (pair.far + length(path.center) + length(path.velocity));
 }
 
+namespace {
+
 // The rounding of time moves a body on a very long motion: four such errors add up.
-float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
+double time_rounding(const AxisAngleMotion& path) {
   const double turning = path.rotation.angle_rad * length(path.poses.center);
-  const double rounding = 4 * kTimeRounding * (length(path.velocity) + length(path.center) + turning);
-  return pair.limit(tolerance) + static_cast<float>(rounding);
+  return 4 * kTimeRounding * (length(path.velocity) + length(path.center) + turning);
+}
+
+}  // namespace
+
+float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
+  return pair.limit(tolerance) + static_cast<float>(time_rounding(path));
+}
+
+double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
+  const double on_the_way = kDoublePrecisionSlack * (length(path.velocity) + length(path.center));
+  return kNodeReserve * tolerance + pair.pose_slack + on_the_way + time_rounding(path);
 }
 
 namespace {
@@ -148,13 +160,13 @@ bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double 
 }
 
 // sweep() without its checks, on the CPU. The tolerance is positive.
-SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion, double asked,
-                          const Kernels& kernels) {
+SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                          const SweepOptions& options, const Kernels& kernels) {
   const AxisAngleMotion path(motion);
   const QueryPair pair(a, pose_a, b, motion.start, kernels);
-  const double tolerance = tolerance_kept(pair, path, asked);
-  const SweepResult swept = first_contact(pair, path, tolerance);
-  if (swept.hit || !last_pose_may_jump(path, b, tolerance)) return swept;
+  const double tolerance = tolerance_kept(pair, path, options.tolerance);
+  const SweepResult swept = first_contact(pair, path, tolerance, options.max_steps);
+  if (swept.hit || !swept.decided || !last_pose_may_jump(path, b, tolerance)) return swept;
   const QueryPair end(a, pose_a, b, motion.end, kernels);
   const auto found = find_intersecting_pair(end, 0);
   if (!found) return swept;
@@ -182,7 +194,7 @@ bool decided(const PreparedMotion& motion, const SweepAnswer& answer) {
 // Motions go to the device in pieces. What is not certainly free the CPU sweeps from the beginning: begun later its
 // steps would be others, and with them the time of a hit, and whether a pass within the tolerance counts as one.
 std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
-                                         std::span<const RigidMotion> motions, double tolerance,
+                                         std::span<const RigidMotion> motions, const SweepOptions& options,
                                          const Execution& execution, BatchReport& report, int stack) {
   std::vector<SweepResult> results;
   results.reserve(motions.size());
@@ -193,7 +205,7 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, co
     const auto prepared = for_each<PreparedMotion>(piece.size(), execution.threads, [&](std::size_t n) {
       const AxisAngleMotion path(piece[n]);
       const QueryPair pair(a, pose_a, b, piece[n].start, kernels);
-      const double kept = tolerance_kept(pair, path, tolerance);
+      const double kept = tolerance_kept(pair, path, options.tolerance);
       return PreparedMotion{{relative_motion(pair, path), distance_kept(pair, path, kept)},
                             last_pose_may_jump(path, b, kept)};
     });
@@ -208,8 +220,7 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, co
                .device = execution.device,
                .stack = stack});
     const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
-      return decided(prepared[n], answers[n]) ? SweepResult{}
-                                              : sweep_exactly(a, pose_a, b, piece[n], tolerance, kernels);
+      return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {
@@ -228,6 +239,8 @@ void check(const SweepOptions& options) {
   if (!(options.tolerance >= 0) || !(options.tolerance <= kMaxMargin))
     throw Error(ErrorCode::usage, "sweep: the tolerance must be from 0 to " + number_text(kMaxMargin) +
                                       "; give a small part of the bodies' size, or 0 for the automatic one");
+  if (options.max_steps < 0)
+    throw Error(ErrorCode::usage, "sweep: the most steps must not be negative; give 0 for no limit");
 }
 
 void check(const RigidMotion& motion) {
@@ -248,16 +261,15 @@ void check_length(const Body& a, const Body& b, const RigidMotion& motion, doubl
               "sweep it in pieces");
 }
 
-// Checks what was asked; returns the tolerance.
-double checked_tolerance(const Body& a, const Body& b, std::span<const RigidMotion> motions,
-                         const SweepOptions& options) {
+// Checks what was asked, and sets the tolerance where it is automatic.
+SweepOptions checked(const Body& a, const Body& b, std::span<const RigidMotion> motions, SweepOptions options) {
   check(options);
-  const double tolerance = options.tolerance > 0 ? options.tolerance : automatic_tolerance(a, b);
+  if (options.tolerance == 0) options.tolerance = automatic_tolerance(a, b);
   for (const RigidMotion& motion : motions) {
     check(motion);
-    check_length(a, b, motion, tolerance);
+    check_length(a, b, motion, options.tolerance);
   }
-  return tolerance;
+  return options;
 }
 
 }  // namespace
@@ -282,9 +294,9 @@ double automatic_tolerance(const Body& a, const Body& b) {
 
 SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                   const SweepOptions& options) try {
-  const double tolerance = collision::checked_tolerance(a, b, {&motion, 1}, options);
+  const SweepOptions asked = collision::checked(a, b, {&motion, 1}, options);
   validate(pose_a);
-  return collision::sweep_exactly(a, pose_a, b, motion, tolerance, collision::best_kernels());
+  return collision::sweep_exactly(a, pose_a, b, motion, asked, collision::best_kernels());
 } catch (...) {
   throw_as_error("sweep");
 }
@@ -292,15 +304,15 @@ SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidM
 BatchResult<SweepResult> sweep_all(const Body& a, const Pose& pose_a, const Body& b,
                                    std::span<const RigidMotion> motions, const SweepOptions& options,
                                    const Execution& execution) try {
-  const double tolerance = collision::checked_tolerance(a, b, motions, options);
+  const SweepOptions asked = collision::checked(a, b, motions, options);
   validate("sweep", execution, Runs::everywhere);
   validate(pose_a);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "sweep");
   const collision::DeviceRow* const row = collision::find_device(execution.backend, motions.size());
   BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
-  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, tolerance, execution, report)
+  auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, asked, execution, report)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
-                         return collision::sweep_exactly(a, pose_a, b, motions[n], tolerance, kernels);
+                         return collision::sweep_exactly(a, pose_a, b, motions[n], asked, kernels);
                        });
   return {std::move(results), std::move(report)};
 } catch (...) {

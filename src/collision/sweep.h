@@ -38,14 +38,18 @@ double pose_rounding(const QueryPair& pair, const AxisAngleMotion& path);
 /// The distance that bounding spheres leave between themselves and the surface after every step.
 float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
-/// Finds the first contact of a motion, or free, by advancing the probe's BVH through the target's distance field. The
-/// bodies are kept half of `tolerance` apart.
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
+/// The distance that pairs of nodes leave: most of the tolerance, and what double precision may lose.
+double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
+
+/// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends undecided after
+/// `most_steps`, unless that is 0.
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance,
+                          std::int64_t most_steps);
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
-/// `report` counts them. Requires motions and a tolerance that sweep_all() has checked.
+/// `report` counts them. Requires motions and options that sweep_all() has checked, with a positive tolerance.
 std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, const Pose& pose_a, const Body& b,
-                                         std::span<const RigidMotion> motions, double tolerance,
+                                         std::span<const RigidMotion> motions, const SweepOptions& options,
                                          const Execution& execution, BatchReport& report, int stack = kDeviceStack);
 
 }  // namespace standoff::collision

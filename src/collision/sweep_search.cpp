@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conservative advancement on the CPU: for a pair of triangles, in the world and in double precision; and for the
+// Conservative advancement on the CPU: of pairs of triangles, in the world; of pairs of nodes of both BVHs; and of the
 // probe's BVH in the target's distance field.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "collision/moving_nodes.h"
 #include "collision/sweep.h"
+#include "core/threads.h"
 #include "geometry/triangle_pair.h"
 
 namespace standoff::collision {
@@ -115,21 +120,38 @@ SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32
              apart > 0 ? pair.separation * (1 / apart) : Vec3{});
 }
 
-// Bounding spheres are advanced until the field no longer shows that they are free; their children start from there.
-// The sphere that stops at the earliest time comes first. A triangle whose sphere has stopped is tested against the
-// target's triangles that overlap the box of its next stretch.
+// Pairs of nodes wait in the order of the times until which they are apart, and the earliest is advanced, opened or, if
+// both nodes are leaves, followed: so nothing behind the first contact is looked at. Where the probe is small, the
+// target's field first advances the probe's spheres against the whole target.
 class SweepSearch {
  public:
   SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
       : pair_(pair),
-        motion_(relative_motion(pair, path)),
-        kernels_(pair.kernels),
         triangles_(pair, path, tolerance),
+        nodes_(pair, path, reserve_of_nodes(pair, path, tolerance)),
+        field_pays_(pair.probe_is_small()),
+        motion_(relative_motion(pair, path)),
         keep_(distance_kept(pair, path, tolerance)),
         enough_(static_cast<float>(pair.target.body->field.spacing)) {}
 
-  SweepResult run() {
-    visit(pair_.probe.body->bvh.top(), 0, 0);
+  SweepResult run(std::int64_t most_steps) {
+    waiting_->clear();
+    push(with_target(pair_.probe.body->bvh.top(), 0, 0));
+    while (!waiting_->empty()) {
+      const MovingNodes next = pop();
+      if (done(next.time)) break;
+      if (most_steps != 0 && ++steps_ > most_steps) {
+        // All others that wait are apart until later.
+        SweepResult undecided;
+        undecided.time = next.time;
+        undecided.decided = false;
+        return undecided;
+      }
+      if (field_pays_ && has_whole_target(next))
+        advance_by_field(next);
+      else
+        advance_by_boxes(next);
+    }
     return result_;
   }
 
@@ -145,38 +167,92 @@ class SweepSearch {
   double end() const { return result_.time; }  // a later contact is not the first
   bool done(double time) const { return time >= end(); }
 
-  void visit(int level, std::uint32_t packet, double start) {
-    const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
+  static bool is_later(const MovingNodes& a, const MovingNodes& b) { return a.time > b.time; }
+  void push(const MovingNodes& nodes) {
+    if (done(nodes.time)) return;
+    waiting_->push_back(nodes);
+    std::ranges::push_heap(*waiting_, is_later);
+  }
+  MovingNodes pop() {
+    std::ranges::pop_heap(*waiting_, is_later);
+    const MovingNodes next = waiting_->back();
+    waiting_->pop_back();
+    return next;
+  }
+
+  void advance_by_boxes(MovingNodes nodes) {
+    const bool another_pays = nodes_.advance(nodes);
+    if (another_pays || done(nodes.time)) return push(nodes);
+    if (nodes.is_leaf()) return follow(nodes);
+    std::array<MovingNodes, kLanes> children;
+    const int count = nodes_.open(nodes, end(), children);
+    for (int n = 0; n < count; ++n) push(children[static_cast<std::size_t>(n)]);
+  }
+
+  // Follows the triangles of two leaves for a while: a shorter one if too many pairs may meet in it.
+  void follow(MovingNodes leaves) {
+    const double from = leaves.time, all = nodes_.time_of_size(leaves);
+    nodes_.take(leaves);
+    MovingNodePairs::LeafPairs pairs;
+    double until = 0;
+    for (bool shorter = true; shorter;) {
+      // At least to the next number: short times must not end the search.
+      until = std::min(end(), std::max(from + leaves.share * all, std::nextafter(from, kNever)));
+      const int count = nodes_.approaching(until - from, pairs);
+      shorter = count > kPairsAtOnce && leaves.share > kLeastShare;
+      if (shorter)
+        leaves.share /= 2;
+      else if (count < kPairsAtOnce / 4)
+        leaves.share = std::min(1.0f, 2 * leaves.share);
+    }
+    leaves.time = until;
+    leaves.stuck = false;
+    for (std::uint32_t n = 0; n < kLanes; ++n)
+      for (std::uint32_t left = pairs[n]; left != 0; left &= left - 1) {
+        std::uint32_t of_target = leaves.resting * kLanes + n,
+                      of_probe = leaves.moving * kLanes + static_cast<std::uint32_t>(std::countr_zero(left));
+        if (pair_.swapped) std::swap(of_target, of_probe);
+        ++steps_;
+        if (const auto contact = triangles_.first_contact(of_target, of_probe, from, until))
+          result_ = *contact, until = std::min(until, contact->time);
+      }
+    push(leaves);
+  }
+
+  // A node of the probe with the whole target.
+  MovingNodes with_target(int level, std::uint32_t node, double time) const {
+    const auto whole = static_cast<std::int8_t>(pair_.target.body->bvh.top()), part = static_cast<std::int8_t>(level);
+    return pair_.swapped ? MovingNodes{time, node, 0, part, whole} : MovingNodes{time, 0, node, whole, part};
+  }
+  bool has_whole_target(const MovingNodes& nodes) const {
+    return (pair_.swapped ? nodes.moving_level : nodes.resting_level) == pair_.target.body->bvh.top();
+  }
+
+  // Advances the spheres around a node's children.
+  void advance_by_field(const MovingNodes& nodes) {
+    const int level = pair_.swapped ? nodes.resting_level : nodes.moving_level;
+    const std::uint32_t node = pair_.swapped ? nodes.resting : nodes.moving;
+    const Sphere16& spheres = pair_.probe.body->bvh.spheres[static_cast<std::size_t>(level)][node];
     Lanes lanes;
     for (int n = 0; n < kLanes; ++n) {
       const Triple<double> offset = motion_.offset({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]});
-      lanes.sphere[n] = {offset, motion_.speed(offset), start};
+      lanes.sphere[n] = {offset, motion_.speed(offset), nodes.time};
       lanes.radius[n] = spheres.radius[n];
       lanes.active[n] = spheres.radius[n] >= 0;
     }
-    advance(lanes, level);
-    int order[kLanes], stopped = 0;
-    for (int n = 0; n < kLanes; ++n)
-      if (spheres.radius[n] >= 0 && lanes.sphere[n].time < end()) order[stopped++] = n;
-    std::sort(order, order + stopped, [&lanes](int a, int b) {
-      const double at_a = lanes.sphere[a].time, at_b = lanes.sphere[b].time;
-      return at_a != at_b ? at_a < at_b : lanes.gap[a] < lanes.gap[b];
-    });
-    for (int k = 0; k < stopped; ++k) {
-      const int n = order[k];
-      const double time = lanes.sphere[n].time;
-      if (done(time)) return;
-      const std::uint32_t child = packet * kLanes + n;
-      if (level > 0)
-        visit(level - 1, child, time);
-      else
-        follow(child, time);
+    advance(lanes, level == 0 ? kWorthwhileTriangleStep * enough_ : 0);
+    double first = end();
+    for (int n = 0; n < kLanes; ++n) {
+      if (spheres.radius[n] < 0) continue;
+      if (level > 0) push(with_target(level - 1, node * kLanes + static_cast<std::uint32_t>(n), lanes.sphere[n].time));
+      first = std::min(first, lanes.sphere[n].time);
     }
+    // A leaf stays apart as long as all its triangles do.
+    if (level == 0 && !done(first)) advance_by_boxes(with_target(0, node, first));
   }
 
   // Advances all lanes until their steps are no longer worthwhile.
-  void advance(Lanes& lanes, int level) {
-    const float least = level == 0 ? kWorthwhileTriangleStep * enough_ : 0;
+  void advance(Lanes& lanes, float least) const {
     alignas(64) float center[3][kLanes] = {};
     for (;;) {
       bool any = false;
@@ -188,7 +264,7 @@ class SweepSearch {
         any = true;
       }
       if (!any) return;
-      kernels_.gaps_at(pair_.target.body->view, center, lanes.radius, enough_, lanes.gap);
+      pair_.kernels.gaps_at(pair_.target.body->view, center, lanes.radius, enough_, lanes.gap);
       for (int n = 0; n < kLanes; ++n)
         if (lanes.active[n])
           lanes.active[n] =
@@ -196,59 +272,23 @@ class SweepSearch {
     }
   }
 
-  // Follows a triangle from time `from` on, against all target triangles near its path.
-  void follow(std::uint32_t probe_index, double from) {
-    Triple<double> corner[3];
-    for (int k = 0; k < 3; ++k)
-      corner[k] = triple_of(pair_.probe.body->corners[probe_index][k] - pair_.probe.body->middle);
-    const MovingTriangle triangle = moving_triangle(motion_, corner);
-    for (double t = from; !done(t);) {
-      // Look ahead at least to the next number after t: short steps must not end the search.
-      const double ahead = look_ahead(t, triangle.speed, pair_.target.body->field.spacing);
-      const double until = std::min(end(), std::max(ahead, std::nextafter(t, kNever)));
-      FloatBox box;
-      swept_bounds(motion_, triangle, t, until, keep_, box.low, box.high);
-      from_ = t, until_ = until;
-      descend(pair_.target.body->bvh.top(), 0, probe_index, box);
-      t = until;
-      if (!done(t)) t = jump(probe_index, t);
-    }
-  }
-
-  // The time until which the field shows the triangle's sphere to be free, from a time at which the triangle is free.
-  double jump(std::uint32_t probe_index, double t) {
-    const Sphere16& spheres = pair_.probe.body->bvh.spheres[0][probe_index / kLanes];
-    const int n = static_cast<int>(probe_index % kLanes);
-    const Triple<double> offset = motion_.offset({spheres.center[0][n], spheres.center[1][n], spheres.center[2][n]});
-    return advanced({offset, motion_.speed(offset), t}, spheres.radius[n], motion_, pair_.target.body->view, keep_,
-                    end(), kWorthwhileTriangleStep * enough_);
-  }
-
-  void descend(int level, std::uint32_t node, std::uint32_t probe_index, const FloatBox& box) {
-    for (std::uint32_t mask = kernels_.overlapping(pair_.target.body->bvh.boxes(level)[node], box); mask != 0;
-         mask &= mask - 1) {
-      const std::uint32_t child = node * kLanes + std::countr_zero(mask);
-      if (level > 0)
-        descend(level - 1, child, probe_index, box);
-      else if (const auto contact = triangles_.first_contact(child, probe_index, from_, until_))
-        result_ = *contact, until_ = std::min(until_, contact->time);
-    }
-  }
-
   const QueryPair& pair_;
-  const RelativeMotion motion_;
-  const Kernels& kernels_;
   const TriangleSweep triangles_;
-  const float keep_;             // the distance left after every step
+  MovingNodePairs nodes_;
+  const bool field_pays_;
+  const RelativeMotion motion_;  // of the probe
+  const float keep_;             // the distance that spheres leave after every step
   const float enough_;           // steps this long are taken without sampling the fine field
-  double from_ = 0, until_ = 0;  // the interval in which follow() looks for contacts
   SweepResult result_;           // the first contact so far
+  std::int64_t steps_ = 0;       // pairs of nodes and of triangles
+  const KeptByThread<std::vector<MovingNodes>> waiting_;
 };
 
 }  // namespace
 
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance) {
-  return SweepSearch(pair, path, tolerance).run();
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance,
+                          std::int64_t most_steps) {
+  return SweepSearch(pair, path, tolerance).run(most_steps);
 }
 
 }  // namespace standoff::collision

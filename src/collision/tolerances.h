@@ -23,11 +23,11 @@ static_assert(kSinglePrecisionSlack > 2 * gamma_float(14));
 /// The same in double precision, relative to coordinates in the world: some 40 operations of 2^-53 (1.1e-16).
 inline constexpr double kDoublePrecisionSlack = 1e-14;
 static_assert(kDoublePrecisionSlack > gamma_double(40));
-/// The error of the bounds of pairs of oriented boxes, relative to the radii of both bodies: 44 roundings along an
-/// axis, along three perpendicular axes the root of three times that. Smaller: a nearer pair may be missed. Larger:
-/// more nodes are opened.
+/// The error of the bounds of pairs of oriented boxes, relative to the radii of both bodies: 48 roundings along an
+/// axis, four of them because a box's axes are perpendicular only up to rounding; along three perpendicular axes the
+/// root of three times that. Smaller: a nearer pair may be missed. Larger: more nodes are opened.
 inline constexpr double kNodePairSlack = 5e-6;
-static_assert(kNodePairSlack > 1.7320509 * gamma_float(44));
+static_assert(kNodePairSlack > 1.7320509 * gamma_float(48));
 /// The same for triangles of two leaves: relative to the radii of both bodies, for rounded corners, and relative to the
 /// radii of both leaves, for their projections.
 inline constexpr double kCornerSlack = 2e-7, kLeafSlack = 1.1e-6;
@@ -67,6 +67,11 @@ inline constexpr double kTimeRounding = 4e-16;
 /// rounding.
 inline constexpr double kSureDirection = 1e-3;
 
+/// The share of a sweep's tolerance that boxes leave between them. Below 1, so that the first triangles that are looked
+/// at where boxes stop are a hit, and all that waits behind it is dropped. Smaller: what passes within the tolerance is
+/// a hit less often. At least a half, which the triangles keep.
+inline constexpr double kNodeReserve = 0.9375;
+
 /// A time after the end of every motion, which is 1.
 inline constexpr double kNever = 2;
 
@@ -79,5 +84,15 @@ inline constexpr float kWorthwhileStep = 0.5f;
 inline constexpr float kWorthwhileTriangleStep = 0.25f;
 /// A triangle that has stopped is tested against the target's triangles over this many field spacings of its path.
 inline constexpr double kLookAhead = 1.0;
+/// A probe is small if its radius times this is less than the target's. Measured on flies in labyrinths and on scans:
+/// between 4 and 30 it makes no difference.
+inline constexpr double kSmallProbe = 8;
+/// A pair of nodes is advanced while it moves by more than this share of the larger box in a step: shorter steps cost
+/// more than its children's.
+inline constexpr double kWorthwhileNodeStep = 0.1;
+/// The triangles of two leaves are followed for the time in which they move by the larger box's size; for a shorter
+/// one, but not for less than this share of it, while more pairs than this may meet.
+inline constexpr float kLeastShare = 0.03f;
+inline constexpr int kPairsAtOnce = 16;
 
 }  // namespace standoff::collision

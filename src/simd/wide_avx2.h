@@ -207,6 +207,9 @@ struct WideDouble {
   STANDOFF_INLINE explicit WideDouble(double value) : lo(_mm256_set1_pd(value)), hi(lo) {}
 
   static STANDOFF_INLINE WideDouble load(const double* p) { return {_mm256_loadu_pd(p), _mm256_loadu_pd(p + 4)}; }
+  static STANDOFF_INLINE WideDouble load(const float* p) {
+    return {_mm256_cvtps_pd(_mm_loadu_ps(p)), _mm256_cvtps_pd(_mm_loadu_ps(p + 4))};
+  }
   STANDOFF_INLINE void store(double* p) const {
     _mm256_storeu_pd(p, lo);
     _mm256_storeu_pd(p + 4, hi);

@@ -131,6 +131,7 @@ struct WideDouble {
   STANDOFF_INLINE explicit WideDouble(double value) : v(_mm512_set1_pd(value)) {}
 
   static STANDOFF_INLINE WideDouble load(const double* p) { return _mm512_loadu_pd(p); }
+  static STANDOFF_INLINE WideDouble load(const float* p) { return _mm512_cvtps_pd(_mm256_loadu_ps(p)); }
   STANDOFF_INLINE void store(double* p) const { _mm512_storeu_pd(p, v); }
 
   friend STANDOFF_INLINE WideDouble operator+(WideDouble a, WideDouble b) { return _mm512_add_pd(a.v, b.v); }

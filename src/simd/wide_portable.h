@@ -270,6 +270,11 @@ struct WideDouble {
     __builtin_memcpy(result.v, p, sizeof result.v);
     return result;
   }
+  static STANDOFF_INLINE WideDouble load(const float* p) {
+    return by_double_parts<WideDouble>([&](int part) __attribute__((always_inline)) {
+      return Doubles{p[kDoublePartLanes * part], p[kDoublePartLanes * part + 1]};
+    });
+  }
   STANDOFF_INLINE void store(double* p) const { __builtin_memcpy(p, v, sizeof v); }
 
   friend STANDOFF_INLINE WideDouble operator+(const WideDouble& a, const WideDouble& b) {

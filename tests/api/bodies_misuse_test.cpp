@@ -88,8 +88,10 @@ TEST(Misuse, OptionsOfQueries) {
     expect_answer_or_error(name, [&] { MinimumField(one_triangle(), 1, x); });
     expect_answer_or_error(name, [&] { MinimumField(one_triangle(), 1, 2, x); });
   }
-  for (const std::int64_t n : kCounts)
+  for (const std::int64_t n : kCounts) {
     expect_answer_or_error(named("most", n), [&] { contacts(body(), {}, body(), {}, {.most = n}); });
+    expect_answer_or_error(named("max_steps", n), [&] { sweep(body(), {}, body(), motion, {.max_steps = n}); });
+  }
 }
 
 TEST(Misuse, Batches) {

@@ -65,16 +65,16 @@ void counted_gaps(const collision::FieldView& f, const FloatTransform& t, const 
   ++calls;
   collision::best_kernels().gaps(f, t, s, enough, gap);
 }
-void counted_gaps_at(const collision::FieldView& f, const float (*center)[collision::kLanes], const float* radius,
-                     float enough, float* gap) {
+void counted_obb_free_times(const collision::Obb16& boxes, const collision::DoubleObb& box, bool sixteen_move,
+                            const collision::RigidVelocity& velocity, double keep, double enough, double* time) {
   ++calls;
-  collision::best_kernels().gaps_at(f, center, radius, enough, gap);
+  collision::best_kernels().obb_free_times(boxes, box, sixteen_move, velocity, keep, enough, time);
 }
 
 TEST(Simd, QueriesUseTheKernelsOfTheirPair) {
   collision::Kernels counting = collision::best_kernels();
   counting.gaps = counted_gaps;
-  counting.gaps_at = counted_gaps_at;
+  counting.obb_free_times = counted_obb_free_times;
   const Body a(ball_mesh(1, 6)), b(ball_mesh(0.5, 6));
   const Pose near = moved({1.6, 0, 0});
   const collision::QueryPair pair(a, {}, b, near, counting);
@@ -87,7 +87,7 @@ TEST(Simd, QueriesUseTheKernelsOfTheirPair) {
   EXPECT_TRUE(used([&] { collision::certify(pair, 0.2); }));
   EXPECT_TRUE(used([&] {
     const collision::AxisAngleMotion path({near, {}, {}});
-    collision::first_contact(collision::QueryPair(a, {}, b, near, counting), path, 1e-3);
+    collision::first_contact(collision::QueryPair(a, {}, b, near, counting), path, 1e-3, 0);
   }));
 }
 

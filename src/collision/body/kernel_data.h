@@ -119,7 +119,7 @@ struct alignas(64) Sphere16 {
 };
 
 /// An oriented box: all points center + sum of t_k axis[k] with |t_k| <= half[k]. Its axes are perpendicular unit
-/// vectors up to the rounding to single precision, which `half` covers.
+/// vectors up to the rounding to single precision; it holds what it is made for in spite of that.
 struct Obb {
   float center[3], axis[3][3], half[3];
 };
@@ -192,6 +192,27 @@ struct LeafPair {
   float distance_sq;
   std::uint8_t first, second;
 };
+
+/// An oriented box in double precision.
+struct DoubleObb {
+  Vec3 center, axis[3];
+  double half[3];
+};
+
+/// Sixteen triangles in double precision: corner, axis, lane.
+struct alignas(64) DoubleTriangles {
+  double corner[3][3][kLanes];
+};
+
+/// The velocity of a rigid body at some time: linear + rotation x (p - center) at the point p. `center` moves at the
+/// linear velocity.
+struct RigidVelocity {
+  Vec3 linear, rotation, center;
+  double rate;  ///< the length of `rotation`, or a positive number next to 0
+};
+
+/// The axes of two leaves' boxes, and the line of their centers.
+inline constexpr int kLeafAxes = 7;
 
 /// Some of sixteen triangles, and their boxes.
 struct TriangleSubset {

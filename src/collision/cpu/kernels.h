@@ -28,6 +28,17 @@ struct Kernels {
   int (*near_triangles)(const Triangle16& first, const float (&center)[3], int count, const Triangle16& second,
                         const float (&second_center)[3], int second_count, const LeafAxes (&axes)[2], float most_sq,
                         LeafPair* pairs);
+  /// Writes how long sixteen oriented boxes stay farther than `keep` from `box`, at least. They are in one frame, and
+  /// either the sixteen or `box` move. Times above `enough` may be too short.
+  void (*obb_free_times)(const Obb16&, const DoubleObb& box, bool sixteen_move, const RigidVelocity&, double keep,
+                         double enough, double* time);
+  /// The same for one pair.
+  double (*obb_free_time)(const DoubleObb& resting, const DoubleObb& moving, const RigidVelocity&, double keep);
+  /// Writes, for each of sixteen resting triangles, bits of the moving ones that may come within `keep` of it during
+  /// `duration`: that neither one of the axes, unit vectors, nor the normal of a triangle separates from it.
+  void (*approaching_triangles)(const DoubleTriangles& resting, const DoubleTriangles& moving,
+                                const DoubleTransform& to_resting, const RigidVelocity&, const Vec3 (&axes)[kLeafAxes],
+                                double keep, double duration, std::uint32_t* moving_lanes);
   /// Transforms 16 triangles into another frame, and writes their boxes grown by `by`; `all` becomes the box around
   /// them.
   void (*transform_triangles)(const FloatTransform&, const Triangle16&, float by, Triangle16& transformed,

@@ -8,6 +8,7 @@
 #include "bvh/overlapping.inl"
 #include "collision/body/kernel_data.h"
 #include "collision/cpu/kernels.h"
+#include "collision/cpu/moving_kernels.inl"
 #include "geometry/closest_pair.h"
 #include "geometry/overlap_penetration.h"
 #include "simd/points.inl"
@@ -331,6 +332,9 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .overlapping = standoff::STANDOFF_TARGET::overlapping_lanes,
                          .obb_distances_sq = obb_distances_sq,
                          .near_triangles = near_triangles,
+                         .obb_free_times = obb_free_times,
+                         .obb_free_time = obb_free_time,
+                         .approaching_triangles = approaching_triangles,
                          .transform_triangles = transform_triangles,
                          .close_pairs = close_pairs,
                          .overlap_pairs = overlap_pairs,

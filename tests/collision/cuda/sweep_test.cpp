@@ -51,7 +51,7 @@ SweepCounts expect_as_cpu(const Body& a, const Pose& pose_a, const Body& b, cons
   const auto expected = sweep_all(a, pose_a, b, motions, {.tolerance = tolerance}, {.backend = Backend::cpu}).results;
   SweepCounts counts;
   const auto found = collision::sweep_on_device(*collision::find_device(testing::kEmulated, 1), a, pose_a, b, motions,
-                                                tolerance, kOnEmulation, counts.report, stack);
+                                                {.tolerance = tolerance}, kOnEmulation, counts.report, stack);
   EXPECT_EQ(found.size(), motions.size());
   for (std::size_t n = 0; n < motions.size(); ++n) {
     SCOPED_TRACE("motion " + std::to_string(n));
