@@ -74,6 +74,8 @@ double QueryPair::root_gap() const {
   return length(out) - probe.body->radius;
 }
 
+// Axes in single precision are off by 2 roundings, along a vector between two corners and in its projections 6 in all:
+// of the radii `slack` covers 14 twice (kSinglePrecisionSlack), of the gap kRoundDown does.
 bool QueryPair::boxes_apart(double by) const {
   const auto root_of = [](const PlacedBody& placed) { return placed.body->bvh.box_of(placed.body->bvh.top(), 0); };
   const auto vec = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };

@@ -80,13 +80,15 @@ bool vertices_near(MeshView mesh, const FloatRange& range) {
   return tbb::parallel_reduce(Positions(0, mesh.vertices.size(), kPrepareGrain), true, look, std::logical_and<>());
 }
 
-// Whether a list of some triangles and the work on them fit into the memory planned for the work on all.
+// Whether a list of some triangles and the work on them fit into the memory planned for the work on all, whatever part
+// of it are indices in bricks.
 bool fits_with(std::size_t triangles, const Plan& plan) {
   const auto scratch = [&](std::int64_t count) {
     return plan.row->scratch_bytes({count}, plan.grid, plan.thickness, plan.threads);
   };
   const auto count = static_cast<std::int64_t>(triangles);
-  return static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
+  return 2 * count <= plan.triangles &&
+         static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
 }
 
 // The rows of samples along x that a box reaches, which may lie beside the grid.
@@ -150,7 +152,7 @@ void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) 
   // Most fields fit whatever their triangles are.
   const std::int64_t limit = memory_limit_of(options);
   const bool may_be_over = limit != 0 && bytes_needed(plan) > limit;
-  const MeshScan scan = scan_mesh(mesh, plan, may_be_over && !plan.is_dense);
+  const MeshScan scan = scan_mesh(mesh, plan, may_be_over);
   if (may_be_over) check_memory(mesh, plan, scan.counts, options);
   if (!scan.is_near) check_domain(mesh, plan.grid);
 }

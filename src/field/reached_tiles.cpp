@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field/reached_tiles.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -49,7 +50,12 @@ double BlockRange::count() const {
 }
 
 ReachedTiles::ReachedTiles(const Grid& grid, double reach) : grid_(grid), reach_(reach) {
-  while (blocks().count() > kMostBlocks) side_ *= 2;
+  // No side is less than the reach, so that a small triangle reaches some 27 blocks however thick the band is.
+  const double most_samples = static_cast<double>(std::max({grid.size.x, grid.size.y, grid.size.z}));
+  const double in_samples = reach / std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  while (blocks().count() > kMostBlocks ||
+         (static_cast<double>(side_) < in_samples && static_cast<double>(side_) < most_samples))
+    side_ *= 2;
   count_ = blocks();
   bits_.resize(static_cast<std::size_t>((count_.count() + 63) / 64));
 }

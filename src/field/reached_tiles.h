@@ -21,7 +21,8 @@ struct BlockRange {
   double count() const;
 };
 
-/// A bit for each tile. In grids of more than 2^27 tiles a bit stands for several, all of which count as reached.
+/// A bit for each tile. In grids of more than 2^27 tiles, and where the reach is more than 8 samples, a bit stands for
+/// several, all of which count as reached.
 class ReachedTiles {
  public:
   /// `reach`: the distance within which a triangle reaches samples, world units. The grid must outlive this.

@@ -227,7 +227,6 @@ void AtomicFile::sync(int file) const {
   }
 }
 
-// The name is an entry of the folder. Whatever goes wrong here, the file is there and whole.
 // Lets the disk work while the next file is made: else all that thousands of files have is written while their program
 // waits at its end. It decides time only.
 void AtomicFile::begin_to_sync([[maybe_unused]] int file) noexcept {
@@ -236,6 +235,7 @@ void AtomicFile::begin_to_sync([[maybe_unused]] int file) noexcept {
 #endif
 }
 
+// The name is an entry of the folder. Whatever goes wrong here, the file is there and whole.
 void AtomicFile::sync_folder() const noexcept {
   const Descriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.number() >= 0) (void)::fsync(folder.number());

@@ -7,9 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 
 namespace standoff {
+
+static_assert(std::endian::native == std::endian::little, "eight bytes are taken as a word whose first byte is low");
 
 std::uint32_t adler32_of_run(std::uint32_t before, std::span<const std::byte> element, std::uint64_t count) {
   constexpr std::uint64_t kPrime = 65521;

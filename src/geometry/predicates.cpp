@@ -121,13 +121,14 @@ double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return sum.value();
 }
 
-// Decides by twofold arithmetic, or exactly if its error bound leaves the sign open. `level`: the points' coordinates
-// along an axis are equal, as they are in most planes that hold several triangles, and the determinant is 0.
-template <class Twofold, class Exact>
-double value_of(const RoundedDeterminant& first, double bound, double beyond, bool level, Twofold twofold,
+// Decides by twofold arithmetic, or exactly if its error bound leaves the sign open. `is_level`: whether the points'
+// coordinates along an axis are equal, as they are in most planes that hold several triangles; then the determinant is
+// 0.
+template <class Level, class Twofold, class Exact>
+double value_of(const RoundedDeterminant& first, double bound, double beyond, Level is_level, Twofold twofold,
                 Exact exactly) {
   if (std::abs(first.value) > beyond * (bound * first.magnitude) + kUnderflow) return first.value;
-  if (level) return 0;
+  if (is_level()) return 0;
   const double second = twofold().value;
   if (std::abs(second) > beyond * (kTwofoldBound * first.magnitude) + kUnderflow) return second;
   return exactly();
@@ -143,12 +144,12 @@ bool are_level(const Flat& a, const Flat& b, const Flat& c) {
 
 double value_of_determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double beyond) {
   return value_of(
-      rounded_determinant3d(a, b, c, d), kRounded3d, beyond, are_level(a, b, c, d),
+      rounded_determinant3d(a, b, c, d), kRounded3d, beyond, [&] { return are_level(a, b, c, d); },
       [&] { return twofold_determinant3d(a, b, c, d); }, [&] { return determinant3d_exactly(a, b, c, d); });
 }
 double value_of_determinant2d(const Flat& a, const Flat& b, const Flat& c, double beyond) {
   return value_of(
-      rounded_determinant2d(a, b, c), kRounded2d, beyond, are_level(a, b, c),
+      rounded_determinant2d(a, b, c), kRounded2d, beyond, [&] { return are_level(a, b, c); },
       [&] { return twofold_determinant2d(a, b, c); }, [&] { return determinant2d_exactly(a, b, c); });
 }
 

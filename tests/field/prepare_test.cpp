@@ -105,6 +105,9 @@ TEST(Prepare, TilesThatMayBeStored) {
     stored(testing::random_soup(seed, 30, 1, 0.1), grid, 0.003, {SignMethod::none});
     EXPECT_LT(stored(testing::random_soup(seed, 3, 1, 1.5), grid, 0.02, {SignMethod::none}), 8);
   }
+  // However thick a band is, a triangle reaches few blocks: this took minutes when it reached all tiles of its band.
+  const Mesh fine = scenes::make("sphere", 500'000);
+  EXPECT_LT(static_cast<double>(estimate(fine, grid, 1.5, limited(0)).stored_samples), 1.1 * 200 * 200 * 200);
   // Slivers have no plane.
   const Mesh needle{{{-1, -1, -1}, {1, 1, 1}, {0, 0, 0}}, {{0, 1, 2}}};
   stored(needle, grid, 0.02, {SignMethod::none});

@@ -34,7 +34,7 @@ class Written:
     shards: int
     """Of the grid."""
     computed: int
-    """Tasks that computed a window and wrote its shards."""
+    """Windows that were computed, and their shards written."""
     kept: int
     """Windows that were there already."""
     empty: int
@@ -77,7 +77,7 @@ def write(
         mesh, grid, resolution, spacing, shape, padding, band, thickness, sign, method: as for `compute`.
         shard: samples of a shard, which is one file; multiples of 16 and of `chunk`.
         chunk: samples of a chunk, which is what readers unpack; multiples of 8.
-        block: samples of a task, by default a shard; multiples of `shard`. Two tasks must not write one shard: one of
+        block: samples of a window, by default a shard; multiples of `shard`. Two tasks must not write one shard: one of
             both would be lost without a word.
         levels: how many the store has: the field, and others of every second sample of the one before. They are made
             when the field is complete, and listed when they are.
