@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 #include "scenes/scenes.h"
 #include "tests/support/fields.h"
@@ -111,6 +112,18 @@ TEST(Prepare, TilesThatMayBeStored) {
   // Slivers have no plane.
   const Mesh needle{{{-1, -1, -1}, {1, 1, 1}, {0, 0, 0}}, {{0, 1, 2}}};
   stored(needle, grid, 0.02, {SignMethod::none});
+}
+
+// A limit that the estimate keeps is kept: dense output used to be refused for what any mesh may take.
+TEST(Prepare, DenseOutputFitsWhereTheEstimateSaysSo) {
+  const Grid grid{{200, 200, 200}, {-1, -1, -1}, {0.01, 0.01, 0.01}};
+  const Mesh ball = scenes::make("sphere", 20'000);
+  std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
+  ComputeOptions options = limited(0);
+  options.memory_limit = estimate(ball, grid, 0.02, options).dense;
+  EXPECT_GT(compute_into(ball, grid, 0.02, values, options).samples_band, 0);
+  options.memory_limit -= 1;
+  EXPECT_THROW(compute_into(ball, grid, 0.02, values, options), Error);
 }
 
 }  // namespace
