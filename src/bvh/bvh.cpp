@@ -147,13 +147,11 @@ bool Bvh::follow(MeshView mesh, std::span<const std::uint32_t> places) {
     set_box(place / kFanout, static_cast<int>(place % kFanout), box);
     above.push_back(place / kFanout);
   }
+  std::ranges::sort(above);
   for (std::size_t level = 1; level + 1 < level_begin_.size(); ++level) {
-    std::ranges::sort(above);
+    for (std::uint32_t& number : above) number /= kFanout;
     above.erase(std::unique(above.begin(), above.end()), above.end());
-    for (std::uint32_t& number : above) {
-      number /= kFanout;
-      box_node(level_begin_[level] + number);
-    }
+    for (const std::uint32_t number : above) box_node(level_begin_[level] + number);
   }
   return true;
 }

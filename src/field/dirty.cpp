@@ -53,7 +53,7 @@ MeshChange change_of(MeshView before, MeshView after, std::span<const std::uint3
     throw Error(ErrorCode::usage, "update: triangle " + std::to_string(triangles.back()) +
                                       " is said to have changed, but neither mesh has it; they have " +
                                       std::to_string(before.triangles.size()) + " and " +
-                                      std::to_string(after.triangles.size()));
+                                      std::to_string(after.triangles.size()) + "; name triangles of the meshes");
   for (const std::uint32_t t : triangles) {
     if (change.is_in(before, t)) check_triangle(before, t, "before");
     if (change.is_in(after, t)) check_triangle(after, t, "after");
@@ -85,10 +85,6 @@ std::int64_t bricks_along(std::int64_t samples) { return (samples + kBrickSide -
 
 Size3 size_in_bricks(const Grid& grid) {
   return {bricks_along(grid.size.x), bricks_along(grid.size.y), bricks_along(grid.size.z)};
-}
-
-std::size_t brick_index(const Size3& bricks, std::int64_t x, std::int64_t y, std::int64_t z) {
-  return static_cast<std::size_t>(x + bricks.x * (y + bricks.y * z));
 }
 
 }  // namespace
@@ -228,7 +224,7 @@ class WindowMap {
     for (std::int64_t z = low.z / 2; 2 * z < high.z; ++z)
       for (std::int64_t y = low.y / 2; 2 * y < high.y; ++y)
         for (std::int64_t x = low.x / 2; 2 * x < high.x; ++x)
-          if (const std::int32_t window = of_brick_[brick_index(bricks_, x, y, z)]; window != kNoWindow)
+          if (const std::int32_t window = of_brick_[cell_index(bricks_, x, y, z)]; window != kNoWindow)
             if (dirty_.any_dirty(
                     {std::max(2 * x, low.x), std::max(2 * y, low.y), std::max(2 * z, low.z)},
                     {std::min(2 * x + 2, high.x), std::min(2 * y + 2, high.y), std::min(2 * z + 2, high.z)}))
@@ -261,7 +257,7 @@ class WindowMap {
       for (std::int64_t y = low.y; y < high.y; ++y) {
         of_column_[static_cast<std::size_t>(y + bricks_.y * z)].push_back(static_cast<std::int32_t>(w));
         for (std::int64_t x = low.x; x < high.x; ++x)
-          of_brick_[brick_index(bricks_, x, y, z)] = static_cast<std::int32_t>(w);
+          of_brick_[cell_index(bricks_, x, y, z)] = static_cast<std::int32_t>(w);
       }
     const Box box = window.bounds();
     for (Box* all : {&reached_, &crossed_}) {

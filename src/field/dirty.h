@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -56,8 +57,13 @@ class TileFinder {
   Vec3 inset_;  // from a tile's last sample almost to the next tile's first one
 };
 
-/// The tiles of a grid, some of them dirty, and the bricks that these are in. One byte each, a quarter of what the
-/// field's slots take, and an eighth of that.
+/// Of cell (x, y, z) of a box, x fastest.
+inline std::size_t cell_index(const Size3& size, std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::size_t>(x + size.x * (y + size.y * z));
+}
+
+/// The tiles of a grid, some of them dirty, and the bricks that these are in. One byte a tile (a slot has four), and
+/// one a brick of eight tiles.
 class DirtyTiles {
  public:
   /// Requires a valid grid.
@@ -92,9 +98,7 @@ class DirtyTiles {
     std::vector<std::uint8_t> marks;
 
     explicit Marks(const Size3& cells) : size(cells), marks(static_cast<std::size_t>(cells.count())) {}
-    std::size_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
-      return static_cast<std::size_t>(x + size.x * (y + size.y * z));
-    }
+    std::size_t index(std::int64_t x, std::int64_t y, std::int64_t z) const { return cell_index(size, x, y, z); }
     std::uint8_t at(const Size3& cell) const { return marks[index(cell.x, cell.y, cell.z)]; }
     void set(const Size3& low, const Size3& high, std::uint8_t mark);
     bool all(const Size3& low, const Size3& high) const { return !has(low, high, 0); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/memory.h"
 #include "core/threads.h"
 #include "core/tile_count.h"
 #include "field/computation.h"
@@ -232,9 +233,29 @@ std::string FieldUpdate::find_windows() {
   report_.windows = std::ssize(windows_);
   report_.tiles_computed = dirty.count();
   plan_ = make_plan(plan_->triangles, grid, field_.thickness(), options_, false, largest_window());
-  if (const std::int64_t limit = memory_limit_of(options_); limit != 0 && bytes_needed(*plan_) > limit)
-    check_memory(after_, *plan_, scan_mesh(after_, *plan_, !plan_->is_dense).counts, options_);
+  check_windows();
   return {};
+}
+
+// Throws where the work on one window, and the tiles of all of them, may take more than the limit.
+void FieldUpdate::check_windows() const {
+  const auto limit = static_cast<double>(memory_limit_of(options_));
+  if (limit == 0) return;
+  double tiles = 0;
+  for (const NewWindow& window : windows_) tiles += static_cast<double>(tile_count(window.grid.size));
+  // Other backends also compute tiles beside dirty ones.
+  const double computed = plan_->row->backend == Backend::cpu ? static_cast<double>(dirty_->count()) : tiles;
+  const auto needed = [&](const ReachCounts& counts) {
+    return static_cast<double>(bytes_needed(*plan_, counts, false)) +
+           field_bytes(std::min(counts.tiles, computed), tiles, field_.has_nearest());
+  };
+  if (needed({}) <= limit) return;
+  const double bytes = needed(scan_mesh(after_, *plan_, true).counts);
+  if (bytes <= limit) return;
+  throw Error(ErrorCode::limit,
+              "update: the windows may need " + over_the_limit(bytes, limit) +
+                  "; give a higher limit, or move fewer triangles at a time",
+              limit_details(bytes, limit));
 }
 
 Size3 FieldUpdate::largest_window() const {

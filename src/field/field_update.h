@@ -55,6 +55,8 @@ class FieldUpdate {
   UpdateReport run(std::span<const std::uint32_t> changed);
   /// The first steps of run() alone, after which the field is as before: what the facts keep is ready then.
   void prepare(std::span<const std::uint32_t> changed);
+  /// Whether crossings of rows decide the sign, where windows can do.
+  static bool by_rows(SignMethod method) { return method != SignMethod::none && method != SignMethod::shell; }
 
  private:
   // The tiles of a window, as they will be: as DistanceField::slots(), and the arrays that slots point into.
@@ -74,6 +76,7 @@ class FieldUpdate {
   std::string global_reason() const;
   std::string find_change(std::span<const std::uint32_t> changed);
   std::string find_windows();
+  void check_windows() const;
   std::string decide_sign();
   void find_triangles();
   void compute(const WindowTriangles& triangles, const Grid& window, DistanceField& field);
@@ -82,7 +85,6 @@ class FieldUpdate {
   void compute_anew(std::string why);
   Size3 largest_window() const;
 
-  static bool by_rows(SignMethod method) { return method != SignMethod::none && method != SignMethod::shell; }
   WindingRule rule() const { return sign_.report.method == SignMethod::parity ? WindingRule::odd : options_.sign.rule; }
 
   const MeshView before_, after_;

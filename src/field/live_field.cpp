@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -25,14 +26,12 @@ namespace standoff {
 
 // What is kept of the mesh between updates. Not in an unnamed namespace, as LiveField::Work holds it.
 
-// Crossings that take more than this share of the memory limit are not kept, but found again for each window.
-constexpr double kShareOfCrossings = 0.125;
-
 // Each part is made when it is first asked for, of the mesh as it is then, and follows it from there on.
 class KeptFacts final : public MeshFacts {
  public:
-  // The mesh keeps its triangles, and stays where it is.
-  KeptFacts(MeshView mesh, std::int64_t memory_limit) : mesh_(mesh), limit_(static_cast<double>(memory_limit)) {}
+  // The mesh keeps its triangles, and stays where it is. Crossings that take more than so many bytes are not kept, but
+  // found again for each window.
+  KeptFacts(MeshView mesh, std::int64_t most_of_crossings) : mesh_(mesh), most_of_crossings_(most_of_crossings) {}
 
   static std::int64_t bytes(std::int64_t triangles, std::int64_t vertices) {
     return MeshParts::bytes(triangles) + MeshParts::following_bytes(triangles) +
@@ -41,6 +40,8 @@ class KeptFacts final : public MeshFacts {
 
   // Whether follow() was called since the last call of this.
   bool take_follows() { return std::exchange(follows_, false); }
+  // What was in vain may be tried again: beside computing anew it takes little.
+  void try_again() { tries_sums_ = tries_crossings_ = true; }
 
   // All other triangles were checked when they last moved.
   void check(const MeshChange& change, const Plan& plan) override {
@@ -74,17 +75,24 @@ class KeptFacts final : public MeshFacts {
   }
 
   // Sums that say nothing for sure are made anew for the next update: their units and origins may have become unfit.
+  // Where new ones say nothing either, the pass over the mesh is quicker.
   bool faces_outwards(const MeshChange&) override {
-    if (!outwards_) outwards_.emplace(mesh_);
-    if (outwards_->surely_outwards()) return true;
-    outwards_.reset();
+    if (tries_sums_) {
+      const bool are_new = !outwards_;
+      if (are_new) outwards_.emplace(mesh_);
+      if (outwards_->surely_outwards()) return true;
+      outwards_.reset();
+      tries_sums_ = !are_new;
+    }
     return standoff::faces_outwards(mesh_);
   }
 
   SampleSigns* signs(const Grid& grid, WindingRule rule, ProgressMeter& progress) override {
-    if (!signs_ && may_share_rows(grid) &&
-        (limit_ == 0 || KeptCrossings::expected_bytes({mesh_}, grid) <= kShareOfCrossings * limit_))
-      signs_.emplace(OrientedMesh{mesh_}, grid, rule, progress);
+    const auto most = static_cast<double>(most_of_crossings_);
+    if (!signs_ && tries_crossings_ && may_share_rows(grid) && KeptCrossings::expected_bytes({mesh_}, grid) <= most)
+      signs_.emplace(OrientedMesh{mesh_}, grid, rule, progress, most_of_crossings_);
+    if (signs_ && signs_->bytes() > most_of_crossings_) signs_.reset();
+    tries_crossings_ = signs_.has_value();
     return signs_ ? &*signs_ : nullptr;
   }
 
@@ -108,8 +116,8 @@ class KeptFacts final : public MeshFacts {
 
  private:
   MeshView mesh_;
-  double limit_;  // of memory, bytes; 0: none
-  bool follows_ = false;
+  std::int64_t most_of_crossings_;  // bytes
+  bool follows_ = false, tries_sums_ = true, tries_crossings_ = true;
   EdgeSums edges_before_;
   std::optional<EdgeSums> edges_;
   std::optional<OutwardSums> outwards_;
@@ -153,19 +161,17 @@ std::int64_t kept_bytes(const MeshView& mesh) {
          TrianglesOfVertices::bytes(triangles, vertices) + KeptFacts::bytes(triangles, vertices);
 }
 
-// The options for each computation, whose memory limit is what is left besides what is kept.
-ComputeOptions options_beside(const MeshView& mesh, ComputeOptions options) {
-  options.hash_mesh = false;  // field() hashes
+// The limit less what is kept of the mesh besides crossings; 0 where there is none.
+std::int64_t limit_beside(const MeshView& mesh, const ComputeOptions& options) {
   const std::int64_t limit = memory_limit_of(options), kept = kept_bytes(mesh);
-  if (limit == 0) return options;
+  if (limit == 0) return 0;
   if (kept >= limit)
     throw Error(ErrorCode::limit,
                 "update: what is kept of the mesh would take " +
                     over_the_limit(static_cast<double>(kept), static_cast<double>(limit)) +
                     "; give a higher limit, or take update_field(), which keeps nothing",
                 {.bytes_needed = kept, .bytes_limit = limit});
-  options.memory_limit = limit - kept;
-  return options;
+  return limit - kept;
 }
 
 }  // namespace
@@ -175,28 +181,33 @@ ComputeOptions options_beside(const MeshView& mesh, ComputeOptions options) {
 class LiveField::Work {
  public:
   Work(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options)
-      : hashes_(options.hash_mesh),
-        grid_(grid),
-        thickness_(thickness),
-        options_(checked(mesh, grid, thickness, options)) {
+      : hashes_(options.hash_mesh), grid_(grid), thickness_(thickness), options_(options) {
+    validate(thickness, options);
+    validate(grid);
+    validate(mesh);
+    options_.hash_mesh = false;  // field() hashes
+    share_memory(limit_beside(mesh, options));
     now_ = copy_of(mesh);
     before_ = now_.vertices;
     triangles_of_.emplace(now_);
     report_ = compute_into(now_, grid_, thickness_, field_, options_);
     options_.decision = {};  // of this mesh alone
-    facts_.emplace(now_, memory_limit_of(options_));
+    facts_.emplace(now_, most_of_crossings_);
     FieldUpdate(now_, now_, *facts_, field_, options_).prepare({});
     facts_->take_follows();
   }
 
   UpdateReport move(std::span<const std::uint32_t> vertices, std::span<const Vec3> positions) {
     check(vertices, positions);
+    std::vector<Vec3> apart;  // from the vertices that move
+    if (overlap(positions, now_.vertices)) positions = apart = {positions.begin(), positions.end()};
     make_field();
     const std::vector<std::uint32_t> changed = put(vertices, positions);
     try {
-      if (!facts_) facts_.emplace(now_, memory_limit_of(options_));
+      if (!facts_) facts_.emplace(now_, most_of_crossings_);
       const MeshView before{before_, now_.triangles};
       UpdateReport report = FieldUpdate(before, now_, *facts_, field_, options_).run(changed);
+      if (report.anew) facts_->try_again();
       if (!facts_->take_follows()) facts_.reset();  // it was computed anew before they were told
       for (const std::uint32_t vertex : vertices) before_[vertex] = now_.vertices[vertex];
       return report;
@@ -221,11 +232,16 @@ class LiveField::Work {
   }
 
  private:
-  static ComputeOptions checked(MeshView mesh, const Grid& grid, double thickness, const ComputeOptions& options) {
-    validate(thickness, options);
-    validate(grid);
-    validate(mesh);
-    return options_beside(mesh, options);
+  // Parts the limit: an eighth is for the crossings that are kept, if any, the rest for each computation.
+  void share_memory(std::int64_t limit) {
+    if (limit == 0) return;
+    most_of_crossings_ = FieldUpdate::by_rows(options_.sign.method) ? limit / 8 : 0;
+    options_.memory_limit = limit - most_of_crossings_;
+  }
+
+  static bool overlap(std::span<const Vec3> a, std::span<const Vec3> b) {
+    const std::less<const Vec3*> before;
+    return before(a.data(), b.data() + b.size()) && before(b.data(), a.data() + a.size());
   }
 
   void check(std::span<const std::uint32_t> vertices, std::span<const Vec3> positions) const {
@@ -258,7 +274,8 @@ class LiveField::Work {
   bool hashes_;
   Grid grid_;
   double thickness_;
-  ComputeOptions options_;
+  ComputeOptions options_;  // of each computation
+  std::int64_t most_of_crossings_ = std::numeric_limits<std::int64_t>::max();
   Mesh now_;
   std::vector<Vec3> before_;  // vertices; other than those now only while they move
   std::optional<TrianglesOfVertices> triangles_of_;

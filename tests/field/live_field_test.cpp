@@ -424,6 +424,48 @@ TEST(LiveField, TheLimitCountsWhatIsKept) {
   EXPECT_FALSE(live.move(move.vertices, move.positions).anew);
 }
 
+// An eighth of what is left is for crossings, where rows decide the sign. Where these are too many, at once or in the
+// end, they are found for each window.
+TEST(LiveField, TheLimitCountsCrossings) {
+  const auto limit_of_field = [](SignMethod method) {
+    ComputeOptions options = by(method);
+    options.memory_limit = 300'000;
+    try {
+      LiveField live(ball(), kGrid, 0.1, options);
+    } catch (const Error& error) {
+      return error.details().bytes_limit.value_or(0);
+    }
+    return std::int64_t{0};
+  };
+  const std::int64_t left = limit_of_field(SignMethod::none);
+  EXPECT_GT(left, 0);
+  EXPECT_EQ(limit_of_field(SignMethod::automatic), left - left / 8);
+
+  const Mesh mesh = ball();
+  const Grid grid{{61, 253, 267}, kPlace - Vec3{1.25, 1.3, 1.35}, {0.042, 0.01, 0.01}};
+  ComputeOptions options = by(SignMethod::automatic);
+  options.memory_limit = estimate(mesh, grid, 0.05, options).whole * 3 / 2;
+  LiveField live(mesh, grid, 0.05, options);
+  Random random(5);
+  for (int n = 0; n < (kSanitized ? 3 : 12); ++n) {
+    const Vec3 at = live.mesh().vertices[random.below(mesh.vertices.size())];
+    const Move move = bump(live.mesh(), at, 0.2, random.vector(0.2));
+    live.move(move.vertices, move.positions);
+    expect_as_computed(live, grid, 0.05, options);
+  }
+}
+
+TEST(LiveField, PositionsOfItsOwnMesh) {
+  const ComputeOptions options = by(SignMethod::none);
+  const Mesh mesh = ball();
+  LiveField live(mesh, kGrid, 0.1, options);
+  const std::vector<std::uint32_t> vertices{1, 2, 3};
+  const auto* const own = reinterpret_cast<const Vec3*>(live.mesh().vertices.data());
+  live.move(vertices, {own, 3});  // vertex 1 to where 0 is, 2 to where 1 was
+  for (std::size_t v = 1; v < 4; ++v) EXPECT_EQ(live.mesh().vertices[v], mesh.vertices[v - 1]);
+  expect_as_computed(live, kGrid, 0.1, options);
+}
+
 TEST(LiveField, MovesAsAnObject) {
   LiveField live(ball(), kGrid, 0.1, by(SignMethod::none));
   LiveField other = std::move(live);

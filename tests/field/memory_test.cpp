@@ -12,9 +12,11 @@
 
 #include "core/memory.h"
 #include "field/plan.h"
+#include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
 #include "standoff/slabs.h"
+#include "standoff/update.h"
 #include "tests/sign/shapes.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/heap.h"
@@ -172,6 +174,43 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
 }
 
 // A wall along a whole column: with and without the file, only one slab is in memory, however many there are.
+// The tiles of all windows are held before the first one is put into the field.
+TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
+  const Mesh before = testing::random_soup(5, 400, 4, 0.1);
+  Mesh after = before;
+  for (std::size_t t = 0; t < 120; ++t) after.vertices[after.triangles[t][0]].x += 0.05;
+  const Grid grid = cube(192, {-5, -5, -5}, 10);
+  for (const bool nearest : {false, true}) {
+    ComputeOptions options{.sign = {SignMethod::none}};
+    options.execution = {.threads = 2, .backend = Backend::cpu};
+    options.nearest = nearest;
+    const std::vector<std::uint32_t> changed = changed_triangles(before, after);
+    DistanceField field = compute(before, grid, 0.1, options).field;
+    ComputeOptions limited = options;
+    limited.memory_limit = 1000;
+    try {
+      update_field(before, after, changed, field, limited);
+      ADD_FAILURE() << "a limit of 1000 bytes is enough";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::limit);
+      limited.memory_limit = error.details().bytes_needed.value_or(0);
+    }
+    UpdateReport report;
+    const std::int64_t taken = most_held([&] { report = update_field(before, after, changed, field, limited); });
+    EXPECT_FALSE(report.anew) << report.why;
+    EXPECT_GT(report.windows, 30);
+    EXPECT_LE(taken, limited.memory_limit + 10 * kSmallThings) << "of lists of triangles and changed tiles, the most";
+  }
+}
+
+// A set of triangles takes memory, a vertex that no triangle uses has none.
+TEST(Memory, SumsOfUnusedVertices) {
+  Mesh mesh = testing::box();
+  mesh.vertices.resize(100'000, {3, 3, 3});
+  const std::int64_t taken = most_held([&] { EXPECT_TRUE(OutwardSums(mesh).surely_outwards()); });
+  EXPECT_LE(taken, OutwardSums::bytes(12, 100'000) + kSmallThings);
+}
+
 TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
   const TempFolder folder;
   const auto most_of = [&](std::int64_t slabs, double thickness, bool written) {

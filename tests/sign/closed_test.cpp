@@ -203,6 +203,24 @@ TEST(Outward, SumsFollow) {
   EXPECT_TRUE(!sums.surely_outwards() || faces_outwards(huge));
 }
 
+// A triangle so small beside what the units were chosen for that it counts as nothing: the normals do not cancel, but
+// their integers do.
+TEST(Outward, SumsKnowWhatTheyRoundedDown) {
+  Mesh before = box();
+  const Vec3 corner = before.vertices[0];
+  before.vertices.insert(before.vertices.end(), 2, corner);
+  before.triangles.push_back({0, 8, 9});
+  Mesh after = before;
+  for (Vec3& v : after.vertices) v = corner + (v - corner) * 0x1p-22;
+  after.vertices[8].x += 2.3e-12;
+  after.vertices[9].y += 2.3e-12;
+  OutwardSums sums(before);
+  EXPECT_TRUE(sums.surely_outwards());
+  sums.follow(before, after, all_triangles(before));
+  EXPECT_FALSE(faces_outwards(after));
+  EXPECT_FALSE(sums.surely_outwards());
+}
+
 TEST(Outward, SumsOfOtherMeshes) {
   EXPECT_FALSE(OutwardSums(reversed(box())).surely_outwards());
   EXPECT_FALSE(OutwardSums(joined(box(), reversed(moved(sphere(), {1e6, 0, 0}, 1e-3)))).surely_outwards());

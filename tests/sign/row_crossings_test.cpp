@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "sign/rows/changed_crossings.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/heap.h"
 
@@ -46,6 +47,33 @@ Inside inside_of(const Mesh& mesh, const Grid& grid, WindingRule rule, std::int6
 }
 
 constexpr std::int64_t kEnough = std::int64_t{1} << 40;
+
+// Crossings that are kept say what they take, also after the mesh moved. Where they are too many, the search ends
+// early.
+TEST(RowCrossings, KeptOnesCountWhatTheyTake) {
+  Random random(1);
+  std::vector<Tetrahedron> solids;
+  for (int n = 0; n < 40; ++n)
+    solids.push_back({random.in_cube(3), random.in_cube(3), random.in_cube(3), random.in_cube(3)});
+  const Mesh before = testing::mesh_of(solids);
+  Mesh after = before;
+  for (Vec3& v : after.vertices) v = v * 0.7;
+  const Grid grid{{50, 130, 121}, {-3, -3, -3}, {0.12, 0.047, 0.05}};
+  ProgressMeter progress;
+  Threads(2).run([&] {
+    KeptCrossings kept({before}, grid, WindingRule::nonzero, progress, kEnough);
+    const auto bytes = static_cast<double>(kept.bytes());
+    EXPECT_NEAR(bytes, KeptCrossings::expected_bytes({before}, grid), bytes / 10);
+    kept.follow(ChangedCrossings({before}, {after}, grid, progress));
+    const KeptCrossings anew({after}, grid, WindingRule::nonzero, progress, kEnough);
+    EXPECT_EQ(kept.bytes(), anew.bytes());
+    EXPECT_LT(static_cast<double>(kept.bytes()), 0.7 * bytes);
+    const std::int64_t half = anew.bytes() / 2;
+    const KeptCrossings some({after}, grid, WindingRule::nonzero, progress, half);
+    EXPECT_GT(some.bytes(), half);
+    EXPECT_LT(some.bytes(), anew.bytes());
+  });
+}
 
 TEST(RowCrossings, PartsOfTheGrid) {
   Random random(1);

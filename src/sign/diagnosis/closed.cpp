@@ -281,8 +281,8 @@ std::optional<__int128> fixed(double x, int unit) {
   return shift > -63 ? digits >> -shift : digits >> 63;
 }
 
-int unit_for(double magnitude) {
-  return magnitude > 0 && std::isfinite(magnitude) ? std::ilogb(magnitude) - kFixedBits : 0;
+std::int16_t unit_for(double magnitude) {
+  return magnitude > 0 && std::isfinite(magnitude) ? static_cast<std::int16_t>(std::ilogb(magnitude) - kFixedBits) : 0;
 }
 
 double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<double>(count), unit); }
@@ -291,12 +291,17 @@ double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<doub
 
 OutwardSums::OutwardSums(MeshView mesh) : set_of_(mesh.vertices.size()) {
   VertexSets sets = sets_of(mesh);
-  std::vector<std::uint32_t> number(mesh.vertices.size());
-  sets_.resize(number_sets(sets, number));
+  // A vertex that no triangle uses gets no set: meshes may have any number of these.
+  constexpr std::uint32_t kNoSet = static_cast<std::uint32_t>(-1);
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoSet);
+  std::uint32_t count = 0;
+  for (const Triangle& t : mesh.triangles)
+    if (std::uint32_t& n = number[sets.find(t[0])]; n == kNoSet) n = count++;
+  sets_.resize(count);
   for (std::uint32_t v = 0; v < set_of_.size(); ++v) {
     const std::uint32_t lowest = sets.find(v);
     set_of_[v] = number[lowest];
-    if (lowest == v) sets_[set_of_[v]].origin = mesh.vertices[v], sets_[set_of_[v]].first = v;
+    if (lowest == v && number[v] != kNoSet) sets_[number[v]].origin = mesh.vertices[v], sets_[number[v]].first = v;
   }
   // First the magnitudes, in double, for the units.
   struct Magnitudes {
@@ -310,6 +315,7 @@ OutwardSums::OutwardSums(MeshView mesh) : set_of_(mesh.vertices.size()) {
     const Terms terms = terms_of(mesh, t, sets_[n]);
     magnitudes[n].reach += terms.reach;
     magnitudes[n].normal += terms.normal_length;
+    ++sets_[n].triangles;
     sets_[n].runs += t % kOutwardChunk == 0 || n != last;
     last = n;
   }
@@ -358,17 +364,20 @@ void OutwardSums::add(Set& set, const Terms& terms, int times) {
 // Bounds what faces_outwards() finds of the set, whose origin is the lowest vertex as it is now. With d from one origin
 // to the other, a volume changes by dot(d, sum of normals), which is at most 3 |d| |sum| in the largest norms, and the
 // magnitude of each product by 3 |d| |normal|. A sum of n numbers in double is off by at most n units of rounding of
-// their magnitudes: those of a run of a chunk, and the sums of runs. The factor covers the terms' own rounding.
+// their magnitudes: those of a run of a chunk, and the sums of runs. The factor covers the terms' own rounding. Each
+// integer is short of its sum by less than a unit for each triangle, as terms are rounded down.
 bool OutwardSums::is_sure(const Set& set, MeshView mesh) const {
   if (set.triangles_with_area == 0) return !set.is_lost;
   const double d = max_norm(mesh.vertices[set.first] - set.origin);
   const double normals = times_unit(set.normal_length, set.normal_unit),
+               most_normals = times_unit(set.normal_length + set.triangles, set.normal_unit),
                volume = times_unit(set.volume, set.volume_unit),
-               reach = 3 * (times_unit(set.reach, set.volume_unit) + d * normals);
+               reach = 3 * (times_unit(set.reach + set.triangles, set.volume_unit) + d * most_normals);
   double sum = 0;
   for (const Fixed& along : set.normal) sum = std::max(sum, std::abs(times_unit(along, set.normal_unit)));
+  sum += times_unit(set.triangles, set.normal_unit);
   const double rounding = (kOutwardChunk + 64.0 + set.runs) * 0x1p-53;
-  const double off = rounding * normals;
+  const double off = rounding * most_normals;
   const bool cancels = sum + off <= kRounding * (normals - off);
   return !set.is_lost && std::isfinite(reach) && cancels &&
          volume - 3 * d * (sum + off) > 2 * (kRounding + rounding) * reach;

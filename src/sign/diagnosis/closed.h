@@ -74,8 +74,8 @@ class OutwardSums {
   struct Set {
     Vec3 origin;          // volumes are relative to it
     std::uint32_t first;  // the lowest vertex
-    std::uint32_t runs = 0, triangles_with_area = 0;
-    int volume_unit = 0, normal_unit = 0;
+    std::uint32_t runs = 0, triangles = 0, triangles_with_area = 0;
+    std::int16_t volume_unit = 0, normal_unit = 0;
     bool is_lost = false;  // a term was too large for its unit
     bool is_sure = false;
     Fixed volume = 0, reach = 0, normal[3]{}, normal_length = 0;
@@ -86,7 +86,7 @@ class OutwardSums {
   bool is_sure(const Set& set, MeshView mesh) const;
   void judge(Set& set, MeshView mesh);
 
-  std::vector<std::uint32_t> set_of_;  // by vertex
+  std::vector<std::uint32_t> set_of_;  // by vertex that a triangle uses
   std::vector<Set> sets_;
   std::int64_t unsure_ = 0, with_area_ = 0;  // sets
 };

@@ -31,13 +31,16 @@ ChangedCrossings::ChangedCrossings(const OrientedMesh& before, const OrientedMes
   }
 }
 
-KeptCrossings::KeptCrossings(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress)
+KeptCrossings::KeptCrossings(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress,
+                             std::int64_t bytes)
     : tiles_y_(tiles_along(grid.size.y)), rule_(rule) {
-  RowCrossings all(mesh, grid, progress, std::numeric_limits<std::int64_t>::max());
+  RowCrossings all(mesh, grid, progress, bytes);
   of_tiles_.resize(static_cast<std::size_t>(all.rows_of_tiles()));
   for (std::int64_t n = 0; n < all.rows_of_tiles();)
     for (const std::int64_t end = all.load(n); n < end; ++n) {
       const std::span<const RowCrossing> these = all.of_tiles(n % tiles_y_, n / tiles_y_);
+      count_ += std::ssize(these);
+      if (this->bytes() > bytes) return;
       of_tiles_[static_cast<std::size_t>(n)].assign(these.begin(), these.end());
     }
 }
@@ -50,9 +53,12 @@ void KeptCrossings::follow(const ChangedCrossings& changed) {
     std::ranges::set_difference(all, tiles.gone, std::back_inserter(left));
     if (left.size() + tiles.gone.size() != all.size())
       throw std::logic_error("a crossing that goes was not among those that are kept");
+    now.reserve(left.size() + tiles.come.size());
     std::ranges::merge(left, tiles.come, std::back_inserter(now));
     all = std::move(now);
   });
+  for (const ChangedCrossings::OfTiles& tiles : changed.tiles())
+    count_ += std::ssize(tiles.come) - std::ssize(tiles.gone);
 }
 
 }  // namespace standoff

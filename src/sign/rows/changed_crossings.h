@@ -48,11 +48,19 @@ class KeptCrossings final : public SampleSigns {
  public:
   /// The bytes that they take, about.
   static double expected_bytes(const OrientedMesh& mesh, const Grid& grid) {
-    return RowCrossings::expected_bytes(mesh, grid) / 2;
+    const auto rows_of_tiles = static_cast<double>(tiles_along(grid.size.y) * tiles_along(grid.size.z));
+    return RowCrossings::expected_bytes(mesh, grid) / 2 + rows_of_tiles * sizeof(std::vector<RowCrossing>);
   }
-  /// As IntegerWinding.
-  KeptCrossings(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress);
+  /// As IntegerWinding. `bytes`: the most that they may take; the search takes about twice that besides. Where
+  /// bytes() is more then, some are missing.
+  KeptCrossings(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress,
+                std::int64_t bytes);
 
+  /// What they take.
+  std::int64_t bytes() const {
+    return std::ssize(of_tiles_) * static_cast<std::int64_t>(sizeof(of_tiles_[0])) +
+           count_ * static_cast<std::int64_t>(sizeof(RowCrossing));
+  }
   /// Throws std::bad_alloc; then some of the crossings are missing.
   void follow(const ChangedCrossings& changed);
 
@@ -64,6 +72,7 @@ class KeptCrossings final : public SampleSigns {
   std::int64_t tiles_y_;
   WindingRule rule_;
   std::vector<std::vector<RowCrossing>> of_tiles_;
+  std::int64_t count_ = 0;  // of all crossings
 };
 
 template <class Use>
