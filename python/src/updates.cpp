@@ -60,8 +60,10 @@ class Live {
   Live(const VertexInput& vertices, const FaceInput& faces, const Grid& grid, double thickness,
        ComputeOptions options) {
     options.progress = [this](const Progress& now) { return !report_ || report_(now); };
-    watched_call(nb::none(),
-                 [&] { live_ = std::make_unique<LiveField>(view_of(vertices, faces), grid, thickness, options); });
+    watched_call(nb::none(), [&] {
+      live_ = std::make_unique<LiveField>(view_of(vertices, faces), grid, thickness, options);
+      sign_ = live_->report().sign;
+    });
   }
 
   nb::dict move(const IndexInput& vertices, const PointInput& positions, const nb::object& progress) {
@@ -70,6 +72,7 @@ class Live {
     watched_call(progress, [&] {
       const Timed timed(seconds);
       done = live_->move({vertices.data(), vertices.size()}, points_of(positions));
+      sign_ = done.sign;
     });
     return dict_of(done, seconds);
   }
@@ -83,7 +86,11 @@ class Live {
     watched_call(nb::none(), [&] { copy.assign(live_->mesh().vertices.begin(), live_->mesh().vertices.end()); });
     return array_over<double>(std::move(copy));
   }
-  nb::dict sign() const { return sign_dict(live_->report().sign); }
+  nb::dict sign() {
+    SignReport copy;
+    watched_call(nb::none(), [&] { copy = sign_; });
+    return sign_dict(copy);
+  }
 
  private:
   template <class Call>
@@ -104,6 +111,7 @@ class Live {
   std::mutex calling_;
   ProgressCallback report_;  // of the call at work
   std::unique_ptr<LiveField> live_;
+  SignReport sign_;  // of the mesh as it is now
 };
 
 }  // namespace

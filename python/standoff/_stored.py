@@ -76,7 +76,9 @@ def _index(key: Any) -> int:
     try:
         return operator.index(key)
     except TypeError:
-        raise IndexError(f"a stored field takes whole numbers, slices and ..., not {key!r}") from None
+        raise IndexError(
+            f"a stored field takes whole numbers, slices and ..., not {key!r}; give one of these"
+        ) from None
 
 
 class StoredField:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from typing import Any
 
@@ -111,8 +112,9 @@ class LiveField:
             *runs_on(threads, device),
             memory_limit_of(memory_limit),
         )
-        self._sign = sign_report(self._live.sign, self._asked, stacklevel=2)
+        sign_report(self._live.sign, self._asked, stacklevel=2)
         self._made = None
+        self._calling = threading.Lock()  # else a copy could be kept that is older than the mesh
 
     @property
     def grid(self) -> Grid:
@@ -127,7 +129,7 @@ class LiveField:
     @property
     def sign(self) -> SignReport:
         """How the sign was decided, of the mesh as it is now."""
-        return self._sign
+        return SignReport(**self._live.sign)
 
     @property
     def mesh(self) -> Mesh:
@@ -137,9 +139,10 @@ class LiveField:
     @property
     def field(self) -> DistanceField:
         """The field of the mesh as it is now. A copy, made when it is first asked for: it does not change."""
-        if self._made is None:
-            self._made = DistanceField._of_native(self._live.field(), self._sign)
-        return self._made
+        with self._calling:
+            if self._made is None:
+                self._made = DistanceField._of_native(self._live.field(), self.sign)
+            return self._made
 
     def move(self, vertices: Any, positions: Any, *, progress: Progress = None) -> dict[str, Any]:
         """Moves vertices of the mesh, and updates the field.
@@ -169,10 +172,10 @@ class LiveField:
             raise ValueError(
                 f"positions: must have the shape ({len(chosen)}, 3), one for each vertex, not {places.shape}"
             )
-        self._made = None
-        with progress_of(progress, "update") as report:
+        with self._calling, progress_of(progress, "update") as report:
+            self._made = None
             done = self._live.move(chosen, places, report)
-        self._sign = sign_report(done.pop("sign"), self._asked, stacklevel=2)
+        sign_report(done.pop("sign"), self._asked, stacklevel=2)
         return done
 
 
@@ -180,13 +183,18 @@ def indices(chosen: Any, what: str, count: int) -> np.ndarray:
     """Indices below `count` of an array of them, or of one truth value for each."""
     array = np.asarray(chosen)
     if array.ndim != 1 or array.dtype.kind not in "biu" and array.size > 0:
-        raise TypeError(f"{what}: must be indices, or True or False for each, in one row; not {chosen!r}")
+        raise TypeError(
+            f"{what}: must be indices, or True or False for each, in one row; not {chosen!r}; give a 1-D array of these"
+        )
     if array.dtype.kind == "b":
         if len(array) > count:
-            raise ValueError(f"{what}: {len(array)} truth values for {count}")
+            raise ValueError(f"{what}: {len(array)} truth values for {count}; give one for each")
         array = np.flatnonzero(array)
     if array.size > 0 and not 0 <= int(array.min()) <= int(array.max()) < count:
-        raise ValueError(f"{what}: must be from 0 to {count - 1}, not {int(array.min())} to {int(array.max())}")
+        raise ValueError(
+            f"{what}: must be from 0 to {count - 1}, not {int(array.min())} to {int(array.max())}; "
+            "give indices of the mesh"
+        )
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 

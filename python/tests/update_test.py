@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """An updated field is the field of the new mesh."""
 
+import threading
+import warnings
+
 import numpy as np
 import pytest
 import standoff as so
@@ -125,3 +128,45 @@ def test_live_field_errors(meshes):
     assert same(live.field, before)
     with pytest.raises(so.LimitError):
         so.LiveField((vertices, faces), memory_limit=1000, **OPTIONS)
+
+
+def test_live_field_sign_after_a_late_error(meshes):
+    (vertices, faces), _, _ = meshes
+    corners = np.arange(faces.size).reshape(faces.shape)  # each triangle has its own, so that it can be moved away
+    live = so.LiveField((vertices[faces.ravel()], corners), **OPTIONS)
+    before = live.sign
+
+    def late(stage, fraction):
+        if stage == "done":
+            raise ZeroDivisionError
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", so.SignWarning)
+        with pytest.raises(ZeroDivisionError):
+            live.move(np.arange(300), vertices[faces.ravel()][:300] + 0.2, progress=late)
+        now = so.field(live.mesh, grid=live.grid, thickness=live.thickness)
+    assert now.sign != before
+    assert live.sign == now.sign and live.field.sign == now.sign
+
+
+def test_live_field_moves_while_another_thread_asks(meshes):
+    (vertices, faces), (after, _), moved = meshes
+    live = so.LiveField((vertices, faces), **OPTIONS)
+    mover = threading.Thread(target=live.move, args=(moved, after[moved]))
+    native = live._live
+
+    class Slow:  # the other thread would have the time to move the mesh before the copy is stored
+        def field(self):
+            made = native.field()
+            mover.start()
+            mover.join(0.5)
+            return made
+
+        def __getattr__(self, name):
+            return getattr(native, name)
+
+    live._live = Slow()
+    _ = live.field
+    live._live = native
+    mover.join()
+    assert same(live.field, so.field((after, faces), grid=live.grid, thickness=live.thickness))
