@@ -39,13 +39,13 @@ void SweepCommand::run_batch() {
   const auto found = batch.answers(
       console, motions.size(), [&] { return sweep_all(a, bodies.pose_a(), b, motions, options, batch.execution()); });
   Answers answers{Table("motion,result,time,x,y,z,nx,ny,nz,triangle_a,triangle_b"), {}};
-  std::int64_t hits = 0, undecided = 0;
+  std::int64_t hits = 0, unfinished = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
     const SweepResult& it = found[n];
     hits += it.hit;
-    undecided += !it.decided;
+    unfinished += !it.finished;
     answers.table.cell(static_cast<std::int64_t>(n));
-    answers.table.cell(it.hit ? "hit" : it.decided ? "free" : "undecided");
+    answers.table.cell(it.hit ? "hit" : it.finished ? "free" : "unfinished");
     answers.table.cell(it.time);
     answers.table.point(it.hit, it.point);
     answers.table.point(it.hit, it.normal);
@@ -53,8 +53,8 @@ void SweepCommand::run_batch() {
     answers.table.triangle(it.triangle_b);
     answers.table.end_row();
   }
-  answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits - undecided}, {"hit", hits}};
-  if (options.max_steps != 0) answers.counts.push_back({"undecided", undecided});
+  answers.counts = {{"free", static_cast<std::int64_t>(found.size()) - hits - unfinished}, {"hit", hits}};
+  if (options.max_steps != 0) answers.counts.push_back({"unfinished", unfinished});
   batch.deliver("sweep", answers, console);
 }
 
@@ -66,7 +66,7 @@ void SweepCommand::run() {
   const SweepResult found = sweep(a, bodies.pose_a(), b, motion, options);
   if (console.json()) {
     Json json = json_answer("sweep");
-    json["hit"] = found.decided ? Json(found.hit) : Json();
+    json["hit"] = found.finished ? Json(found.hit) : Json();
     json["time"] = found.time;
     json["point"] = found.hit ? json_point(found.point) : Json();
     json["normal"] = found.hit ? json_point(found.normal) : Json();
@@ -74,8 +74,8 @@ void SweepCommand::run() {
     json["triangle_b"] = json_triangle(found.triangle_b);
     return print(json);
   }
-  if (!found.decided)
-    return print("free until time " + exact_number(found.time) + " of 1; not decided after that in so many steps\n");
+  if (!found.finished)
+    return print("free until time " + exact_number(found.time) + " of 1; --max-steps ended the sweep there\n");
   if (!found.hit) return print(std::string("free during the whole motion\n"));
   print("hit at time " + exact_number(found.time) + " of 1, at " + point_text(found.point) + ": triangle " +
         std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B\n");
@@ -98,7 +98,7 @@ void add_sweep(CLI::App& program) {
   add_parsed(*verb,
              {"--max-steps", "N", "give up after so many steps, of about 1 us each (default: no limit)", "Question"},
              [command = command.get()](S o, S t) {
-               command->options.max_steps = parse_count(o, t, 1, std::numeric_limits<std::int64_t>::max());
+               command->options.max_steps = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
              });
   command->batch
       .add_to(*verb, "--motions",

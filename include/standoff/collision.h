@@ -184,8 +184,8 @@ struct SweepOptions {
   /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
   /// may move bodies that far.
   double tolerance = 0;
-  /// The most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes about
-  /// a microsecond. A sweep that needs more is not decided.
+  /// About the most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes
+  /// about a microsecond. A sweep that needs more is not finished.
   std::int64_t max_steps = 0;
 };
 
@@ -196,7 +196,7 @@ STANDOFF_API double automatic_tolerance(const Body& a, const Body& b);
 struct SweepResult {
   bool hit = false;
   /// The time of impact: the bodies do not intersect during [0, time) and are within the tolerance at `time`. 1 if
-  /// there is no hit and the sweep is decided.
+  /// there is no hit and the sweep is finished.
   double time = 1;
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
@@ -204,13 +204,14 @@ struct SweepResult {
   Vec3 normal;  ///< unit length, from a to b; zero if the bodies intersect at the start
   /// False if the sweep ended after SweepOptions::max_steps: there is no hit, and the bodies do not intersect during
   /// [0, time); what comes after is not known.
-  bool decided = true;
+  bool finished = true;
 };
 
 /// When the moving body b first touches the resting body a, by conservative advancement (docs/sweep.md). If the bodies
 /// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
-/// may be a hit. If they start within the tolerance without touching and then separate, it is not a hit. Errors: as
-/// collide; usage also for motions some 1e14 times as long as the bodies, for which rounding of the time is too large.
+/// may be a hit. If they start within the tolerance and all of their triangles only move apart, it is not a hit.
+/// Errors: as collide; usage also for motions some 1e14 times as long as the bodies, for which rounding of the time is
+/// too large.
 STANDOFF_API SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                                const SweepOptions& options = {});
 
@@ -250,8 +251,9 @@ STANDOFF_API BatchResult<DistanceResult> distance_all(const Body& a, const Pose&
 STANDOFF_API BatchResult<ContactResult> contacts_all(const Body& a, const Pose& pose_a, const Body& b,
                                                      std::span<const Pose> poses_b, const ContactOptions& options = {},
                                                      const Execution& execution = {});
-/// sweep() for many motions. A GPU finds motions that are certainly free; the CPU sweeps the others, so
-/// results do not depend on the backend. Errors: as sweep; usage also for `execution`; device, limit.
+/// sweep() for many motions. A GPU finds motions that are certainly free; the CPU sweeps the others, so results do not
+/// depend on the backend, but for sweeps that max_steps ends on the CPU. Errors: as sweep; usage also for `execution`;
+/// device, limit.
 STANDOFF_API BatchResult<SweepResult> sweep_all(const Body& a, const Pose& pose_a, const Body& b,
                                                 std::span<const RigidMotion> motions, const SweepOptions& options = {},
                                                 const Execution& execution = {});

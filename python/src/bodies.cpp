@@ -82,12 +82,12 @@ nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, 
                         triangle_b.finish());
 }
 
-// hit, time, point, normal, triangle_a, triangle_b, decided
+// hit, time, point, normal, triangle_a, triangle_b, finished
 nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& from, const PoseInput& to,
                       std::array<double, 3> center, double tolerance, std::int64_t max_steps, int threads,
                       const std::string& device, const nb::object& progress) {
   const std::size_t count = from.shape(0);
-  NewArray<std::uint8_t> hit({count}), decided({count});
+  NewArray<std::uint8_t> hit({count}), finished({count});
   NewArray<double> time({count}), point({count, 3}), normal({count, 3});
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
   const SweepOptions options{.tolerance = tolerance, .max_steps = max_steps};
@@ -103,7 +103,7 @@ nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, con
     for (std::size_t n = first; n < last; ++n) {
       const SweepResult& r = results[n - first];
       hit[n] = r.hit ? 1 : 0;
-      decided[n] = r.decided ? 1 : 0;
+      finished[n] = r.finished ? 1 : 0;
       time[n] = r.time;
       put(point, n, r.point);
       put(normal, n, r.normal);
@@ -112,7 +112,7 @@ nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, con
     }
   });
   return nb::make_tuple(hit.finish(), time.finish(), point.finish(), normal.finish(), triangle_a.finish(),
-                        triangle_b.finish(), decided.finish());
+                        triangle_b.finish(), finished.finish());
 }
 
 // point, normal, depth, triangle_a, triangle_b, overflow

@@ -151,7 +151,7 @@ class Sweeps:
     hit: Any
     """``(...)`` bool."""
     time: Any
-    """``(...)``: from 0 to 1; the bodies do not intersect before. 1 if there is no hit and the sweep is decided."""
+    """``(...)``: from 0 to 1; the bodies do not intersect before. 1 if there is no hit and the sweep is finished."""
     point: Any
     """``(..., 3)``: where they touch, in the world."""
     normal: Any
@@ -160,7 +160,7 @@ class Sweeps:
     """``(...)`` integers."""
     triangle_b: Any
     """``(...)`` integers."""
-    decided: Any
+    finished: Any
     """``(...)`` bool: False where the sweep ended after ``max_steps``, without a hit; what comes after `time` is not
     known."""
 
@@ -333,7 +333,7 @@ def sweep(
         start, end: poses of b at time 0 and 1, as for `collide`, equally many.
         center: the point of b, in its own coordinates, that moves on a straight line while b turns about it.
         tolerance: surfaces within this distance count as touching, world units; 0: a small part of the bodies' size.
-        max_steps: the most steps of a sweep, of about a microsecond each; a sweep that needs more is not decided. 0: no
+        max_steps: the most steps of a sweep, of about a microsecond each; a sweep that needs more is not finished. 0: no
             limit.
         threads, device, progress: as for `field`.
     """
@@ -343,7 +343,7 @@ def sweep(
         raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
     point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
-        hit, time, touch, normal, triangle_a, triangle_b, decided = _core.sweep(
+        hit, time, touch, normal, triangle_a, triangle_b, finished = _core.sweep(
             body_a,
             _one(pose_a, "pose_a"),
             body_b,
@@ -356,7 +356,7 @@ def sweep(
             report,
         )
     triangles = _triangles(triangle_a, triangle_b)
-    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *triangles, decided == 1)))
+    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *triangles, finished == 1)))
 
 
 def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:

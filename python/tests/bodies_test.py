@@ -124,12 +124,12 @@ def test_sweeps():
     assert exact == pytest.approx(2 / 3, abs=1e-8)
 
 
-def test_a_sweep_may_end_undecided():
+def test_a_sweep_may_end_unfinished():
     start, end = pose((3, 0, 0)), pose((-3, 0, 0), (0, 0, 1), 1)
     whole = so.sweep(CUBE, CUBE, start, end)
-    assert whole.hit and whole.decided
+    assert whole.hit and whole.finished
     early = so.sweep(CUBE, CUBE, start, end, max_steps=1)
-    assert not early.decided and not early.hit and 0 <= early.time <= whole.time
+    assert not early.finished and not early.hit and 0 <= early.time <= whole.time
     with pytest.raises(ValueError, match="must not be negative"):
         so.sweep(CUBE, CUBE, start, end, max_steps=-1)
 

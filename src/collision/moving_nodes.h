@@ -51,7 +51,8 @@ class MovingNodePairs {
     return nodes.time - before > kWorthwhileNodeStep * time_of_size(boxes);
   }
 
-  /// How long the moving box takes to move by half the diagonal of the larger one, at least.
+  /// How long the moving box takes to move by half the diagonal of the larger one and the distance that is kept, at
+  /// least.
   double time_of_size(const MovingNodes& nodes) { return time_of_size(boxes_of(nodes)); }
 
   /// Opens the larger node of a pair that is no leaf: writes the pairs with its children that may meet before `end`,
@@ -138,7 +139,8 @@ class MovingNodePairs {
     const double speed =
         length(velocity_.linear) + length(velocity_.rotation) * (from_center + std::sqrt(size_sq(boxes.moving)));
     // Points have no size, but still keep their distance.
-    return speed > 0 ? (std::sqrt(std::max(size_sq(boxes.resting), size_sq(boxes.moving))) + keep_) / speed : kNever;
+    return speed > 0 ? (std::sqrt(std::max(size_sq(boxes.resting), size_sq(boxes.moving))) + keep_) / speed
+                     : std::numeric_limits<double>::infinity();
   }
 
   static DoubleObb in_double(const Obb& box) {

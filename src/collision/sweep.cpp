@@ -166,7 +166,7 @@ SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, cons
   const QueryPair pair(a, pose_a, b, motion.start, kernels);
   const double tolerance = tolerance_kept(pair, path, options.tolerance);
   const SweepResult swept = first_contact(pair, path, tolerance, options.max_steps);
-  if (swept.hit || !swept.decided || !last_pose_may_jump(path, b, tolerance)) return swept;
+  if (swept.hit || !swept.finished || !last_pose_may_jump(path, b, tolerance)) return swept;
   const QueryPair end(a, pose_a, b, motion.end, kernels);
   const auto found = find_intersecting_pair(end, 0);
   if (!found) return swept;
@@ -185,7 +185,7 @@ struct PreparedMotion {
 };
 
 // The CPU sweeps all motions but those that are free and whose last pose does not jump.
-bool decided(const PreparedMotion& motion, const SweepAnswer& answer) {
+bool is_free(const PreparedMotion& motion, const SweepAnswer& answer) {
   return answer.verdict == DeviceVerdict::free && !motion.jumps;
 }
 
@@ -220,13 +220,13 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, co
                .device = execution.device,
                .stack = stack});
     const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
-      return decided(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
+      return is_free(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {
       const bool overflowed = answers[n].verdict == DeviceVerdict::overflow;
-      report.on_device += decided(prepared[n], answers[n]);
-      report.undecided += !overflowed && !decided(prepared[n], answers[n]);
+      report.on_device += is_free(prepared[n], answers[n]);
+      report.undecided += !overflowed && !is_free(prepared[n], answers[n]);
       report.overflowed += overflowed;
     }
   }
@@ -240,7 +240,7 @@ void check(const SweepOptions& options) {
     throw Error(ErrorCode::usage, "sweep: the tolerance must be from 0 to " + number_text(kMaxMargin) +
                                       "; give a small part of the bodies' size, or 0 for the automatic one");
   if (options.max_steps < 0)
-    throw Error(ErrorCode::usage, "sweep: the most steps must not be negative; give 0 for no limit");
+    throw Error(ErrorCode::usage, "sweep: max_steps must not be negative; give 0 for no limit");
 }
 
 void check(const RigidMotion& motion) {

@@ -41,7 +41,7 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 /// The distance that pairs of nodes leave: most of the tolerance, and what double precision may lose.
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
-/// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends undecided after
+/// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends unfinished after
 /// `most_steps`, unless that is 0.
 SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance,
                           std::int64_t most_steps);

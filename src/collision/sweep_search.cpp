@@ -142,10 +142,10 @@ class SweepSearch {
       if (done(next.time)) break;
       if (most_steps != 0 && ++steps_ > most_steps) {
         // All others that wait are apart until later.
-        SweepResult undecided;
-        undecided.time = next.time;
-        undecided.decided = false;
-        return undecided;
+        SweepResult unfinished;
+        unfinished.time = next.time;
+        unfinished.finished = false;
+        return unfinished;
       }
       if (field_pays_ && has_whole_target(next))
         advance_by_field(next);

@@ -72,10 +72,10 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   EXPECT_NEAR(swept["time"].get<double>(), 0.3, 1e-5);
   EXPECT_EQ(done(words("sweep scene:box scene:box --from 5,9,0 --to -5,9,0")).out, "free during the whole motion\n");
   const std::string ends_early = "sweep scene:box scene:box --from 5,0,0 --to -5,0,0,1,0,0,30 --max-steps 1";
-  EXPECT_TRUE(done(words(ends_early)).out.ends_with("of 1; not decided after that in so many steps\n"));
-  const Json undecided = done(words(ends_early + " --json")).json();
-  EXPECT_TRUE(undecided["hit"].is_null());
-  EXPECT_LT(undecided["time"].get<double>(), 0.3);
+  EXPECT_TRUE(done(words(ends_early)).out.ends_with("of 1; --max-steps ended the sweep there\n"));
+  const Json unfinished = done(words(ends_early + " --json")).json();
+  EXPECT_TRUE(unfinished["hit"].is_null());
+  EXPECT_LT(unfinished["time"].get<double>(), 0.3);
 }
 
 TEST_F(CollisionVerbs, ZeroIsAsGoodAsTheDefault) {

@@ -41,7 +41,7 @@ inline void expect_same(const ContactResult& a, const ContactResult& b) {
 inline void expect_same(const SweepResult& a, const SweepResult& b) {
   EXPECT_EQ(a.hit, b.hit);
   EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.decided, b.decided);
+  EXPECT_EQ(a.finished, b.finished);
   EXPECT_EQ(a.point, b.point);
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.triangle_a, b.triangle_a);

@@ -14,8 +14,7 @@ namespace {
 
 using namespace standoff::testing;
 
-// Half as many again as they take.
-// They take 250,000 and 410,000 steps, and the plates one.
+// The sphere takes 250,000 steps, the shaft 410,000, and the plates one.
 constexpr std::int64_t kSphereSteps = 400'000, kShaftSteps = 600'000, kPlateSteps = 1;
 constexpr double kHalfTurn = std::numbers::pi;
 
@@ -62,7 +61,7 @@ void expect_free_within(const Mesh& mesh_a, const Mesh& mesh_b, const RigidMotio
   back.end.translation = -motion.end.translation;
   for (const SweepResult& swept :
        {sweep(a, {}, b, motion, {tolerance, steps}), sweep(b, {}, a, back, {tolerance, steps})}) {
-    EXPECT_TRUE(swept.decided) << "at " << swept.time;
+    EXPECT_TRUE(swept.finished) << "at " << swept.time;
     EXPECT_FALSE(swept.hit) << "at " << swept.time;
   }
 }
@@ -110,7 +109,7 @@ TEST(ConformingSweep, PlatesOfAHundredThousandTriangles) {
 // Compares with exact answers at many times, also in steps that double from the time of the hit backwards.
 void expect_true(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                  const SweepOptions& options, const SweepResult& swept) {
-  ASSERT_TRUE(swept.decided);
+  ASSERT_TRUE(swept.finished);
   std::vector<double> times;
   for (int k = 0; k < 40; ++k) times.push_back(swept.time * k / 40);
   for (double before = 1e-12; before < swept.time; before *= 4) times.push_back(swept.time - before);
@@ -187,33 +186,72 @@ TEST(Sweep, BodiesABillionFromTheOriginDoNotPassEachOther) {
   }
 }
 
-TEST(Sweep, EndsUndecidedAfterTheMostSteps) {
+TEST(Sweep, EndsUnfinishedAfterTheMostSteps) {
   const Body a(ball_mesh(1, 25)), b(ball_mesh(0.99, 25));
   const RigidMotion motion{{}, make_pose({0.3, 0.5, 0.8}, 3, {0.02, 0, 0}), {}};
   const SweepResult whole = sweep(a, {}, b, motion);
-  ASSERT_TRUE(whole.hit && whole.decided);
+  ASSERT_TRUE(whole.hit && whole.finished);
   double before = 0;
-  int undecided = 0;
+  int unfinished = 0;
   for (const std::int64_t steps : {1, 100, 10'000, 30'000, 100'000, 300'000, 1'000'000}) {
     const SweepResult swept = sweep(a, {}, b, motion, {0, steps});
     EXPECT_GE(swept.time, before);
     EXPECT_LE(swept.time, whole.time);
     before = swept.time;
-    undecided += !swept.decided;
-    if (swept.decided) {
+    unfinished += !swept.finished;
+    if (swept.finished) {
       EXPECT_EQ(swept.time, whole.time);
     } else {
       EXPECT_FALSE(swept.hit);
       EXPECT_EQ(swept.triangle_a, kNoTriangle);
     }
   }
-  EXPECT_GE(undecided, 3);
+  EXPECT_GE(unfinished, 3);
   EXPECT_EQ(before, whole.time);
   expect_error(
       [&] {
         sweep(a, {}, b, motion, {0, -1});
       },
       ErrorCode::usage, "sweep: the most steps must not be negative; give 0 for no limit");
+}
+
+// A slender rod whose axis is longer than one in single precision: its corners are farther from the center than the
+// half diagonal of its box. A bound of their speed by that alone let the rod turn through a triangle.
+TEST(Sweep, OfARodWhoseAxisIsRounded) {
+  Random random(1);
+  double longest = 0, angle = 0;
+  for (int n = 0; n < 100'000; ++n) {
+    const double at = random.between(0, kHalfTurn / 2);
+    const double grows = std::hypot(double{float(std::cos(at))}, double{float(std::sin(at))}) - 1;
+    if (grows > longest) longest = grows, angle = at;
+  }
+  const Vec3 along{std::cos(angle), std::sin(angle), 0}, across{-along.y, along.x, 0}, up{0, 0, 1e-14};
+  const double half = 1.95, wide = 1e-6 * half, turn = 2e-3;
+  const Body rod(Mesh{{along * half, along * -half, across * wide, across * -wide, up, up * -1.0},
+                      {{0, 1, 2}, {0, 3, 1}, {0, 1, 4}, {0, 5, 1}}});
+  RigidMotion motion;
+  motion.end = make_pose({along.y, -along.x, 0}, turn, {});
+  for (int n = 0; n < 100; ++n) {
+    // Of the height where the bound was most wrong.
+    const double height = half * std::sqrt(2 * longest) * random.between(0.3, 1.5);
+    const Vec3 tip = along * (half * 0.99999) + Vec3{0, 0, height};
+    const Body wall(
+        Mesh{{tip + Vec3{-half, -half, 0}, tip + Vec3{half, -half, 0}, tip + Vec3{0, half, 0}}, {{0, 1, 2}}});
+    const double touch = std::asin(height / half) / turn;
+    for (const double tolerance : {1e-12, 1e-14}) {
+      const SweepResult swept = sweep(wall, {}, rod, motion, {.tolerance = tolerance});
+      ASSERT_TRUE(swept.hit) << n;
+      EXPECT_LE(swept.time, touch * (1 + 1e-15)) << n;
+    }
+  }
+}
+
+// Bodies that rest within the tolerance are looked at once.
+TEST(Sweep, OfBodiesThatRestTakesFewSteps) {
+  const Mesh plate = plate_mesh(10, 30, 0);
+  Pose above;
+  above.translation = {0, 0, 5e-5};
+  expect_free_within(plate, placed(plate, above), {}, 1e-4, 20'000);
 }
 
 }  // namespace

@@ -124,6 +124,10 @@ struct Obb {
   float center[3], axis[3][3], half[3];
 };
 
+/// At least the length of an oriented box's axis, and so the factor by which its corners may be farther from the center
+/// than its half diagonal: each coordinate is rounded by 2^-24, the rest is room.
+inline constexpr double kAxisRoundUp = 1 + 0x1p-22;
+
 /// Sixteen oriented boxes: center by coordinate, half by axis, axes by number and coordinate; then lane.
 struct alignas(64) Obb16 {
   float center[3][kLanes], axis[3][3][kLanes], half[3][kLanes];

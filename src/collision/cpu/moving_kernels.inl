@@ -71,7 +71,8 @@ class MovingBoxes {
         rate_(velocity.rate) {
     WideDouble size_sq(0);
     for (const WideDouble& half : moving.half) size_sq = size_sq + half * half;
-    turning_ = length(plain_cross(rotation_, arm_)) + rate_ * sqrt(size_sq);
+    // Axes in single precision may be longer than one: corners are farther from the center than the half diagonal.
+    turning_ = length(plain_cross(rotation_, arm_)) + rate_ * sqrt(size_sq) * WideDouble(kAxisRoundUp);
   }
 
   STANDOFF_INLINE DoublePoint line_of_centers() const { return unit(offset_); }
