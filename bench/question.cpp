@@ -51,7 +51,8 @@ void read_word(Question& question, const std::string& word, const std::string& t
     set(question.poses, value >= 1 && value <= 1e9 && value == std::floor(value));
   else
     fail("no such key", text);
-  if (key != "poses" && key != "way" && key != "rotate") question.placing += (question.placing.empty() ? "" : ",") + word;
+  if (key != "poses" && key != "way" && key != "rotate")
+    question.placing += (question.placing.empty() ? "" : ",") + word;
 }
 
 }  // namespace

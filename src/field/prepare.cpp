@@ -132,7 +132,7 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
       if (plan.with_sign) sum.crossings += rows_through(box.grown(touching), plan.grid);
       const SampleRange samples = samples_in(box.grown(reach), plan.grid);
       if (samples.empty()) continue;
-      sum.brick_refs += BlockRange(samples, kBrickSide).count();
+      sum.brick_refs += BlocksOfSamples(samples, kBrickSide).count();
       tiles->mark(mesh.corners(t), samples);
     }
     return sum;

@@ -37,24 +37,24 @@ class PlaneOfTriangle {
 
 }  // namespace
 
-BlockRange::BlockRange(const SampleRange& samples, std::int64_t side) {
+BlocksOfSamples::BlocksOfSamples(const SampleRange& samples, std::int64_t side) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     begin[axis] = samples.begin[axis] / side;
     end[axis] = (samples.end[axis] - 1) / side + 1;
   }
 }
 
-double BlockRange::count() const {
+double BlocksOfSamples::count() const {
   return static_cast<double>(end.x - begin.x) * static_cast<double>(end.y - begin.y) *
          static_cast<double>(end.z - begin.z);
 }
 
 ReachedTiles::ReachedTiles(const Grid& grid, double reach) : grid_(grid), reach_(reach) {
-  // No side is less than the reach, so that a small triangle reaches some 27 blocks however thick the band is.
+  // No side is less than half of the reach, so that a small triangle reaches some 125 blocks however thick the band is.
   const double most_samples = static_cast<double>(std::max({grid.size.x, grid.size.y, grid.size.z}));
   const double in_samples = reach / std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   while (blocks().count() > kMostBlocks ||
-         (static_cast<double>(side_) < in_samples && static_cast<double>(side_) < most_samples))
+         (2 * static_cast<double>(side_) < in_samples && static_cast<double>(side_) < most_samples))
     side_ *= 2;
   count_ = blocks();
   bits_.resize(static_cast<std::size_t>((count_.count() + 63) / 64));
@@ -66,7 +66,7 @@ Size3 ReachedTiles::blocks() const {
 }
 
 void ReachedTiles::mark(const Corners& corners, const SampleRange& samples) {
-  const BlockRange range(samples, side_);
+  const BlocksOfSamples range(samples, side_);
   const bool is_large = range.count() > kManyBlocks;
   const Vec3 half = grid_.spacing * (static_cast<double>(side_ - 1) / 2);
   const PlaneOfTriangle plane(corners, reach_, half);

@@ -13,15 +13,15 @@
 namespace standoff {
 
 /// Blocks of samples, of the same side along each axis, from `begin` to before `end`.
-struct BlockRange {
+struct BlocksOfSamples {
   Size3 begin, end;
 
   /// Those that hold some of the samples. Requires a range that is not empty.
-  BlockRange(const SampleRange& samples, std::int64_t side);
+  BlocksOfSamples(const SampleRange& samples, std::int64_t side);
   double count() const;
 };
 
-/// A bit for each tile. In grids of more than 2^27 tiles, and where the reach is more than 8 samples, a bit stands for
+/// A bit for each tile. In grids of more than 2^27 tiles, and where the reach is more than 16 samples, a bit stands for
 /// several, all of which count as reached.
 class ReachedTiles {
  public:
