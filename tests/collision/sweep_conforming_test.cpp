@@ -246,7 +246,8 @@ TEST(Sweep, OfARodWhoseAxisIsRounded) {
   }
 }
 
-// Bodies that rest within the tolerance are looked at once, which takes 35,000 steps here; before, it took thirty times as long.
+// Bodies that rest within the tolerance are looked at once, which takes 35,000 steps here; before, it took thirty times
+// as long.
 TEST(Sweep, OfBodiesThatRestTakesFewSteps) {
   const Mesh plate = plate_mesh(10, 30, 0);
   Pose above;
