@@ -75,27 +75,6 @@ def milliseconds(line, who):
     return ("> " if line[f"{who}_late"] else "") + (f"{value:.0f}" if value >= 100 else f"{value:.3g}" if value >= 0.01 else f"{value:.5f}")
 
 
-def found(line, who):
-    """What was answered, for people."""
-    if line[f"{who}_late"]:
-        return "?"
-    answer, query = line[f"{who}_answer"], line["query"]
-    if query == "collide":
-        return "yes" if answer else "no"
-    if query == "sweep":
-        return f"at {answer:.5f}" if answer <= 1 else "free"
-    return f"{answer:.6g}" if query == "distance" else f"{answer:.0f}"
-
-
-def place_row(place, what, line):
-    """One pose: how long one question takes."""
-    return {
-        "place of b": place["what"], "query": what, "peer": line["peer"], "standoff ms": milliseconds(line, "standoff"),
-        "peer ms": milliseconds(line, "peer"), "ratio": ratio(line), "standoff's answer": found(line, "standoff"),
-        "peer's answer": found(line, "peer"), "answers that differ": line["differ"], "rounds": line["rounds"],
-    }
-
-
 def header_of(build, note):
     """Asked for before anything runs: the commit may be another one afterwards. The note says what a reader must know."""
     return machine_lines(build) + ([f"note: {note}"] if note else [])
@@ -140,16 +119,3 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:
         quotes.write()
-
-
-def run_terrains(drivers, workloads, only, rounds, build, note=""):
-    """Two surfaces that conform to each other, in some places: all questions of a peer in one process, which builds the
-    bodies once."""
-    header = header_of(build, note)
-    job = workloads["terrains"]
-    asked = [(place, query) for place in job["places"] if not only or only in place["name"] for query in place["queries"]]
-    args = [*job["args"], "--query", *(f"{query}@{place['at']}" for place, query in asked)]
-    processes = [[drivers.run_lines(peer, args) for _ in range(rounds or 1)] for peer in PEERS if drivers.has(peer)]
-    table = [place_row(place, job["queries"][query], middle([lines[n] for lines in of_peer]))
-             for n, (place, query) in enumerate(asked) for of_peer in processes]
-    write({"terrains": table}, only, header)

@@ -8,7 +8,6 @@
   run.py thesis          the tables of the 2008 thesis, rebuilt
   run.py skip            skip rules before the thesis's Algorithm 1, with the one that it wished for
   run.py pairs           batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal
-  run.py terrains        two surfaces that conform to each other, beside FCL and Coal (needs --peers)
   run.py sign            what a sign adds; with --peers beside OpenVDB's level sets and libigl (STANDOFF_PEER_PYTHON)
   run.py points          distances of points; with --peers beside Embree, and FCPW, libigl and Open3D (STANDOFF_PEER_PYTHON)
   run.py iso             surfaces of fields; with --peers beside OpenVDB and VTK
@@ -51,7 +50,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "pairs", "terrains", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "pairs", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -72,7 +71,7 @@ def main():
         kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
         kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"], workloads["render"]["pictures"]]
         kinds += [workloads["python"]["fields"], workloads["batch"]["jobs"]]
-        kinds += [workloads["collision"]["pairs"], workloads["terrains"]["places"]]
+        kinds += [workloads["collision"]["pairs"]]
         for job in (job for jobs in kinds for job in jobs):
             print(f"{job['name']:24} {job['what']}")
         return
@@ -94,14 +93,9 @@ def main():
         return fly.run(workloads, arguments.build, arguments.note)
     if arguments.what == "view":  # needs a browser
         return importlib.import_module("view").run(arguments.build, arguments.only, arguments.rounds, arguments.note)
-    if arguments.what in ("pairs", "terrains"):
-        if arguments.what == "terrains" and not arguments.peers:
-            parser.error("terrains needs --peers")
+    if arguments.what == "pairs":
         if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):
-            parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what} --peers")
-        if arguments.what == "terrains":
-            return collision.run_terrains(drivers, workloads, arguments.only, arguments.rounds, arguments.build,
-                                          arguments.note)
+            parser.error(f"no drivers in {drivers.folder}; build them with script/bench pairs --peers")
         return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
                              arguments.note)
     if arguments.what in ("points", "iso", "files", "sidecars", "render"):
