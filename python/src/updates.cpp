@@ -3,7 +3,6 @@
 #include "standoff/update.h"
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -59,8 +58,8 @@ class Live {
  public:
   Live(const VertexInput& vertices, const FaceInput& faces, const Grid& grid, double thickness,
        ComputeOptions options) {
-    options.progress = [this](const Progress& now) { return !report_ || report_(now); };
-    watched_call(nb::none(), [&] {
+    options.progress = calls_.callback();
+    calls_.run(nb::none(), [&] {
       live_ = std::make_unique<LiveField>(view_of(vertices, faces), grid, thickness, options);
       sign_ = live_->report().sign;
     });
@@ -69,7 +68,7 @@ class Live {
   nb::dict move(const IndexInput& vertices, const PointInput& positions, const nb::object& progress) {
     UpdateReport done;
     double seconds = 0;
-    watched_call(progress, [&] {
+    calls_.run(progress, [&] {
       const Timed timed(seconds);
       done = live_->move({vertices.data(), vertices.size()}, points_of(positions));
       sign_ = done.sign;
@@ -78,38 +77,22 @@ class Live {
   }
   DistanceField field() {
     DistanceField copy;
-    watched_call(nb::none(), [&] { copy = live_->field(); });
+    calls_.run(nb::none(), [&] { copy = live_->field(); });
     return copy;
   }
   nb::object vertices() {
     std::vector<Vec3> copy;
-    watched_call(nb::none(), [&] { copy.assign(live_->mesh().vertices.begin(), live_->mesh().vertices.end()); });
+    calls_.run(nb::none(), [&] { copy.assign(live_->mesh().vertices.begin(), live_->mesh().vertices.end()); });
     return array_over<double>(std::move(copy));
   }
   nb::dict sign() {
     SignReport copy;
-    watched_call(nb::none(), [&] { copy = sign_; });
+    calls_.run(nb::none(), [&] { copy = sign_; });
     return sign_dict(copy);
   }
 
  private:
-  template <class Call>
-  void watched_call(const nb::object& progress, const Call& call) {
-    run_watched(progress, [&](const ProgressCallback& report) {
-      const std::lock_guard one_call(calling_);
-      report_ = report;
-      try {
-        call();
-      } catch (...) {
-        report_ = nullptr;
-        throw;
-      }
-      report_ = nullptr;
-    });
-  }
-
-  std::mutex calling_;
-  ProgressCallback report_;  // of the call at work
+  CallsInTurn calls_;
   std::unique_ptr<LiveField> live_;
   SignReport sign_;  // of the mesh as it is now
 };

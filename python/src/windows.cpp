@@ -3,7 +3,6 @@
 #include "standoff/windows.h"
 
 #include <cstddef>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,8 +22,8 @@ class Windows {
   Windows(VertexInput vertices, FaceInput faces, const Grid& grid, double thickness, const Size3& largest,
           ComputeOptions options)
       : vertices_(std::move(vertices)), faces_(std::move(faces)) {
-    options.progress = [this](const Progress& now) { return !report_ || report_(now); };
-    watched_call(nb::none(), [&] {
+    options.progress = calls_.callback();
+    calls_.run(nb::none(), [&] {
       windows_ = std::make_unique<WindowComputation>(view_of(vertices_, faces_), grid, thickness, largest, options);
     });
   }
@@ -33,7 +32,7 @@ class Windows {
     DistanceField made;
     ComputeReport done;
     double seconds = 0;
-    watched_call(progress, [&] {
+    calls_.run(progress, [&] {
       const Timed timed(seconds);
       windows_->compute(size_of(first), size_of(size), made);
       done = windows_->report();
@@ -43,43 +42,27 @@ class Windows {
 
   bool is_reached(const Counts& first, const Counts& size) {
     bool reached = false;
-    watched_call(nb::none(), [&] { reached = windows_->is_reached(size_of(first), size_of(size)); });
+    calls_.run(nb::none(), [&] { reached = windows_->is_reached(size_of(first), size_of(size)); });
     return reached;
   }
   bool is_empty(const Counts& first, const Counts& size) {
     bool empty = false;
-    watched_call(nb::none(), [&] { empty = windows_->is_empty(size_of(first), size_of(size)); });
+    calls_.run(nb::none(), [&] { empty = windows_->is_empty(size_of(first), size_of(size)); });
     return empty;
   }
   bool is_whole() const { return windows_->is_whole(); }
   nb::bytes decision() {
     std::vector<std::byte> bytes;
-    watched_call(nb::none(), [&] { bytes = windows_->decision().bytes(); });
+    calls_.run(nb::none(), [&] { bytes = windows_->decision().bytes(); });
     return nb::bytes(bytes.data(), bytes.size());
   }
   nb::dict sign() const { return sign_dict(windows_->report().sign); }
   const Provenance& provenance() const { return windows_->report().provenance; }
 
  private:
-  template <class Call>
-  void watched_call(const nb::object& progress, const Call& call) {
-    run_watched(progress, [&](const ProgressCallback& report) {
-      const std::lock_guard one_call(calling_);
-      report_ = report;
-      try {
-        call();
-      } catch (...) {
-        report_ = nullptr;
-        throw;
-      }
-      report_ = nullptr;
-    });
-  }
-
   VertexInput vertices_;
   FaceInput faces_;
-  std::mutex calling_;
-  ProgressCallback report_;  // of the call at work
+  CallsInTurn calls_;
   std::unique_ptr<WindowComputation> windows_;
 };
 

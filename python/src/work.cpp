@@ -162,6 +162,20 @@ void run_watched(const nb::object& progress, const std::function<void(const Prog
   report_to(progress, {"done", 1});
 }
 
+void CallsInTurn::run(const nb::object& progress, const std::function<void()>& call) {
+  run_watched(progress, [&](const ProgressCallback& report) {
+    const std::lock_guard one_call(calling_);
+    report_ = report;
+    try {
+      call();
+    } catch (...) {
+      report_ = nullptr;
+      throw;
+    }
+    report_ = nullptr;
+  });
+}
+
 void run_in_parts(const nb::object& progress, std::size_t count, std::size_t first_part,
                   const std::function<void(std::size_t, std::size_t)>& part) {
   run_watched(progress, [&](const ProgressCallback& report) {

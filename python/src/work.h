@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <utility>
 
 #include "common.h"
@@ -22,6 +23,21 @@ auto watched(const nb::object& progress, Work&& work) {
   run_watched(progress, [&](const ProgressCallback& report) { result.emplace(work(report)); });
   return std::move(*result);
 }
+
+/// Watched calls of one object, one at a time: others wait, without the interpreter's lock.
+class CallsInTurn {
+ public:
+  /// Reports to the call that is at work. For what lives as long as this.
+  ProgressCallback callback() {
+    return [this](const Progress& now) { return !report_ || report_(now); };
+  }
+
+  void run(const nb::object& progress, const std::function<void()>& call);
+
+ private:
+  std::mutex calling_;
+  ProgressCallback report_;  // of the call at work
+};
 
 /// Work on `count` items in parts, so that it can be stopped between them: parts grow until one takes about 20 ms.
 /// `part(first, last)` does the items from first to last.

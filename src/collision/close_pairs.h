@@ -59,9 +59,8 @@ class ClosePairs {
   void place(std::uint32_t packet, std::uint32_t lanes) {
     kernels_.transform_triangles(pair_.transform, pair_.probe.body->bvh.triangles[packet], limit_, transformed_, boxes_,
                                  all_);
-    const auto count = static_cast<std::uint32_t>(pair_.probe.body->bvh.order().size()) - packet * kLanes;
     packet_ = packet;
-    lanes_ = count < kLanes ? lanes & ((1u << count) - 1) : lanes;
+    lanes_ = lanes & ((1u << pair_.probe.body->bvh.children_of(0, packet)) - 1);
   }
 
   // The most nodes of the front: a few registers of boxes.

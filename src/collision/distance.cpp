@@ -108,12 +108,9 @@ class DistanceSearch {
     const double slack = kCornerSlack * radii + kLeafSlack * (radius_of(first) + radius_of(second)) + pair_.pose_slack;
     const auto most_sq = [&] { return std::min(squared(static_cast<float>(wanted_ + slack)), reach_sq_); };
     LeafPair near[kLanes * kLanes];
-    const auto count_of = [](const BodyBvh& bvh, std::uint32_t leaf) {
-      return static_cast<int>(std::min<std::uint32_t>(kLanes, bvh.tree.triangles() - leaf * kLanes));
-    };
-    const int count = pair_.kernels.near_triangles(target.triangles[leaves.target], first.center,
-                                                   count_of(target, leaves.target), probe.triangles[leaves.probe],
-                                                   second.center, count_of(probe, leaves.probe), axes, most_sq(), near);
+    const int count = pair_.kernels.near_triangles(
+        target.triangles[leaves.target], first.center, target.children_of(0, leaves.target),
+        probe.triangles[leaves.probe], second.center, probe.children_of(0, leaves.probe), axes, most_sq(), near);
     // Measure the nearest few first: they exclude most of the others.
     const auto nearer = [](const LeafPair& a, const LeafPair& b) { return a.distance_sq < b.distance_sq; };
     LeafPair *next = near, *past = near + count;

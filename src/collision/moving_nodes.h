@@ -71,8 +71,7 @@ class MovingNodePairs {
     else
       kernels_.obb_free_times(sixteen, placed_back(boxes.resting), true, velocity_of_moving(), keep_, end - nodes.time,
                               lasts);
-    const auto in_level = static_cast<std::uint32_t>(bvh.tree.level(level - 1).size());
-    const int lanes = static_cast<int>(std::min<std::uint32_t>(kLanes, in_level - number * kLanes));
+    const int lanes = bvh.children_of(level, number);
     int count = 0;
     for (int n = 0; n < lanes; ++n) {
       const double time = nodes.time + lasts[n];
@@ -172,7 +171,7 @@ class MovingNodePairs {
   // number.
   static int load(const BodyData& body, std::uint32_t leaf, DoubleTriangles& to) {
     const std::uint32_t first = leaf * kLanes;
-    const int count = static_cast<int>(std::min<std::uint32_t>(kLanes, body.bvh.tree.triangles() - first));
+    const int count = body.bvh.children_of(0, leaf);
     for (int n = 0; n < kLanes; ++n) {
       const Corners& corners = body.corners[first + static_cast<std::uint32_t>(std::min(n, count - 1))];
       for (std::size_t k = 0; k < 3; ++k) {

@@ -80,8 +80,7 @@ class NodePairs {
       for (int n = 0; n < kLanes; ++n)
         if (gap[n] > 0) distance_sq[n] = std::max(distance_sq[n], gap[n] * gap[n]);
     }
-    const auto in_level = static_cast<std::uint32_t>(bvh.tree.level(level - 1).size());
-    const int lanes = static_cast<int>(std::min<std::uint32_t>(kLanes, in_level - number * kLanes));
+    const int lanes = bvh.children_of(level, number);
     int count = 0;
     for (int n = 0; n < lanes; ++n) {
       if (!(distance_sq[n] <= most_sq)) continue;

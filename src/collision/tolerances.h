@@ -82,7 +82,8 @@ inline constexpr double kNever = 2;
 inline constexpr float kWorthwhileStep = 0.5f;
 /// The sphere of a triangle has no children: it stops at this share of the fine field's spacing.
 inline constexpr float kWorthwhileTriangleStep = 0.25f;
-/// A triangle that has stopped is tested against the target's triangles over this many field spacings of its path.
+/// On a GPU a triangle that has stopped is tested against the target's triangles over this many field spacings of its
+/// path.
 inline constexpr double kLookAhead = 1.0;
 /// A probe is small if its radius times this is less than the target's. Measured on flies in labyrinths and on scans:
 /// between 4 and 30 it makes no difference.

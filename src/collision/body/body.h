@@ -3,6 +3,7 @@
 // components; and the functions that make them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -63,6 +64,11 @@ struct BodyBvh {
   const std::vector<std::uint32_t>& order() const { return tree.order(); }
   const Boxes16* boxes(int level) const { return tree.level(level).data(); }
   int top() const { return tree.top_level(); }
+  /// How many children a node has: triangles if it is a leaf, which are of level 0.
+  int children_of(int level, std::uint32_t number) const {
+    const std::size_t below = level == 0 ? tree.triangles() : tree.level(level - 1).size();
+    return static_cast<int>(std::min<std::size_t>(kLanes, below - std::size_t{number} * kLanes));
+  }
   /// The oriented box of node `number` of a level.
   Obb box_of(int level, std::uint32_t number) const {
     return oriented[static_cast<std::size_t>(level) + 1][number / kLanes].lane(static_cast<int>(number % kLanes));
