@@ -18,6 +18,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/updated_fields.h"
 #include "tests/support/welded_ball.h"
 
 namespace standoff::testing::live_field {
@@ -57,46 +58,7 @@ Mesh hollow_ball() {
   append(mesh, reversed(welded_ball(0.5, 5)));
   return placed(mesh);
 }
-Mesh unwelded_ball() {
-  const Mesh mesh = ball();
-  Mesh soup;
-  for (const Triangle& t : mesh.triangles) {
-    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
-    for (const std::uint32_t v : t) soup.vertices.push_back(mesh.vertices[v]);
-    soup.triangles.push_back({first, first + 1, first + 2});
-  }
-  return soup;
-}
-
-ComputeOptions by(SignMethod method, bool as_oriented = false) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  options.sign.as_oriented = as_oriented;
-  if (method == SignMethod::shell) options.sign.shell = 0.05;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
-}
-
-template <class A, class B>
-bool same_bytes(const A& a, const B& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
-}
-
-// The number of tiles that differ: in values, nearest triangles, marks, or whether they are stored.
-std::int64_t differing_tiles(const DistanceField& a, const DistanceField& b) {
-  std::int64_t wrong = 0;
-  const Size3 tiles = b.tile_count();
-  for (std::int64_t z = 0; z < tiles.z; ++z)
-    for (std::int64_t y = 0; y < tiles.y; ++y)
-      for (std::int64_t x = 0; x < tiles.x; ++x) {
-        const auto one = a.tile(x, y, z), other = b.tile(x, y, z);
-        bool same = one.has_value() == other.has_value() && a.background(x, y, z) == b.background(x, y, z);
-        if (same && one) same = same_bytes(*one, *other);
-        if (same && one && b.has_nearest()) same = same_bytes(*a.tile_nearest(x, y, z), *b.tile_nearest(x, y, z));
-        wrong += !same;
-      }
-  return wrong;
-}
+Mesh unwelded_ball() { return unwelded(ball()); }
 
 void expect_as_computed(LiveField& live, const Grid& grid, double thickness, const ComputeOptions& options) {
   const DistanceField anew = compute(live.mesh(), grid, thickness, options).field;
@@ -190,22 +152,22 @@ std::vector<Case> cases() {
     options.sign.invert = true;
     return options;
   };
-  all.push_back({"ball", ball(), by(SignMethod::automatic), 0.1});
-  all.push_back({"ball, nearest", ball(), nearest(by(SignMethod::automatic)), 0.3});
-  all.push_back({"ball, as oriented", ball(), by(SignMethod::winding, true), 0.06});
-  all.push_back({"balls", balls(), by(SignMethod::automatic), 0.1});
-  all.push_back({"balls, odd", balls(), odd(by(SignMethod::winding, true)), 0.1});
-  all.push_back({"balls, parity", balls(), by(SignMethod::parity), 0.1});
-  all.push_back({"hollow", hollow_ball(), by(SignMethod::automatic), 0.1, false});
-  all.push_back({"hollow, as oriented", hollow_ball(), by(SignMethod::winding, true), 0.1});
-  all.push_back({"inside out", reversed(ball()), by(SignMethod::automatic), 0.1, false});
-  all.push_back({"unwelded", unwelded_ball(), by(SignMethod::winding, true), 0.1, false});
-  all.push_back({"open", open_ball(), by(SignMethod::automatic), 0.1, false});
-  all.push_back({"open, none", open_ball(), nearest(by(SignMethod::none)), 0.1});
-  all.push_back({"open, shell", open_ball(), by(SignMethod::shell), 0.1});
-  all.push_back({"soup", placed(random_soup(3, 300, 1, 0.1)), nearest(by(SignMethod::none)), 0.1});
-  all.push_back({"nasty", placed(nasty_soup(5, 200, 1)), nearest(by(SignMethod::none)), 0.2});
-  all.push_back({"nasty, signed", placed(nasty_soup(5, 60, 1)), by(SignMethod::automatic), 0.06, false});
+  all.push_back({"ball", ball(), update_options(SignMethod::automatic), 0.1});
+  all.push_back({"ball, nearest", ball(), nearest(update_options(SignMethod::automatic)), 0.3});
+  all.push_back({"ball, as oriented", ball(), update_options(SignMethod::winding, true), 0.06});
+  all.push_back({"balls", balls(), update_options(SignMethod::automatic), 0.1});
+  all.push_back({"balls, odd", balls(), odd(update_options(SignMethod::winding, true)), 0.1});
+  all.push_back({"balls, parity", balls(), update_options(SignMethod::parity), 0.1});
+  all.push_back({"hollow", hollow_ball(), update_options(SignMethod::automatic), 0.1, false});
+  all.push_back({"hollow, as oriented", hollow_ball(), update_options(SignMethod::winding, true), 0.1});
+  all.push_back({"inside out", reversed(ball()), update_options(SignMethod::automatic), 0.1, false});
+  all.push_back({"unwelded", unwelded_ball(), update_options(SignMethod::winding, true), 0.1, false});
+  all.push_back({"open", open_ball(), update_options(SignMethod::automatic), 0.1, false});
+  all.push_back({"open, none", open_ball(), nearest(update_options(SignMethod::none)), 0.1});
+  all.push_back({"open, shell", open_ball(), update_options(SignMethod::shell), 0.1});
+  all.push_back({"soup", placed(random_soup(3, 300, 1, 0.1)), nearest(update_options(SignMethod::none)), 0.1});
+  all.push_back({"nasty", placed(nasty_soup(5, 200, 1)), nearest(update_options(SignMethod::none)), 0.2});
+  all.push_back({"nasty, signed", placed(nasty_soup(5, 60, 1)), update_options(SignMethod::automatic), 0.06, false});
   return all;
 }
 
@@ -241,10 +203,10 @@ TEST(LiveField, AnyMovesInSequence) {
 // Bumps alone keep a mesh closed: nothing is computed anew, and every tenth field is compared.
 TEST(LiveField, BumpsAreLocal) {
   Random random(11);
-  const std::vector<std::pair<Mesh, ComputeOptions>> all{{balls(), by(SignMethod::none)},
-                                                         {balls(), by(SignMethod::automatic)},
-                                                         {balls(), by(SignMethod::parity)},
-                                                         {unwelded_ball(), by(SignMethod::winding, true)}};
+  const std::vector<std::pair<Mesh, ComputeOptions>> all{{balls(), update_options(SignMethod::none)},
+                                                         {balls(), update_options(SignMethod::automatic)},
+                                                         {balls(), update_options(SignMethod::parity)},
+                                                         {unwelded_ball(), update_options(SignMethod::winding, true)}};
   for (const auto& [mesh, options] : all) {
     const Grid grid{{101, 93, 117}, kPlace - Vec3{1.25, 1.3, 1.35}, {0.025, 0.028, 0.023}};
     LiveField live(mesh, grid, 0.05, options);
@@ -266,7 +228,7 @@ TEST(LiveField, PartsTravelFarAndReturn) {
   const std::size_t moving = mesh.vertices.size();
   append(mesh, welded_ball(0.3, 8, {0.7, 0.1, 0.2}));
   mesh = placed(mesh);
-  const ComputeOptions options = by(SignMethod::automatic);
+  const ComputeOptions options = update_options(SignMethod::automatic);
   LiveField live(mesh, fine, 0.02, options);
   std::vector<std::uint32_t> vertices(moving);
   std::iota(vertices.begin(), vertices.end(), 0u);
@@ -281,7 +243,7 @@ TEST(LiveField, PartsTravelFarAndReturn) {
 
 // Parts that turn inside out, grow and shrink by large factors: the sums that say whether they face outwards.
 TEST(LiveField, PartsTurnAndScale) {
-  const ComputeOptions options = by(SignMethod::automatic);
+  const ComputeOptions options = update_options(SignMethod::automatic);
   const Mesh mesh = balls();
   const Vec3 middle = kPlace + Vec3{0.7, 0.5, 0.4};
   LiveField live(mesh, kGrid, 0.1, options);
@@ -299,7 +261,7 @@ TEST(LiveField, PartsTurnAndScale) {
 // A mesh that tears is open until it heals: both steps change signs far away.
 TEST(LiveField, TearsAndHeals) {
   for (const SignMethod method : {SignMethod::winding, SignMethod::none}) {
-    const ComputeOptions options = by(method, method == SignMethod::winding);
+    const ComputeOptions options = update_options(method, method == SignMethod::winding);
     const Mesh mesh = unwelded_ball();
     LiveField live(mesh, kGrid, 0.06, options);
     for (int n = 0; n < 3; ++n) {
@@ -325,7 +287,7 @@ TEST(LiveField, TearsAndHeals) {
 // After all of it moved, a part of it does.
 TEST(LiveField, AllMoves) {
   for (const SignMethod method : {SignMethod::automatic, SignMethod::none}) {
-    const ComputeOptions options = by(method);
+    const ComputeOptions options = update_options(method);
     LiveField live(ball(), kGrid, 0.06, options);
     Move all;
     for (std::uint32_t v = 0; v < live.mesh().vertices.size(); ++v) {
@@ -341,7 +303,7 @@ TEST(LiveField, AllMoves) {
 }
 
 TEST(LiveField, NothingMoves) {
-  const ComputeOptions options = by(SignMethod::automatic);
+  const ComputeOptions options = update_options(SignMethod::automatic);
   LiveField live(ball(), kGrid, 0.1, options);
   const UpdateReport none = live.move({}, {});
   EXPECT_EQ(none.triangles_changed + none.windows + none.tiles_computed + none.tiles_changed, 0);
@@ -353,7 +315,7 @@ TEST(LiveField, NothingMoves) {
 }
 
 TEST(LiveField, WithoutAHash) {
-  ComputeOptions options = by(SignMethod::none);
+  ComputeOptions options = update_options(SignMethod::none);
   options.hash_mesh = false;
   LiveField live(ball(), kGrid, 0.1, options);
   EXPECT_EQ(live.field().provenance().mesh_hash, 0u);
@@ -362,7 +324,7 @@ TEST(LiveField, WithoutAHash) {
 TEST(LiveField, FullFieldsAreComputedAnew) {
   const Grid small{{21, 19, 23}, kPlace - Vec3{1.25, 1.3, 1.35}, {0.12, 0.13, 0.11}};
   for (const SignMethod method : {SignMethod::winding, SignMethod::flood, SignMethod::normal}) {
-    const ComputeOptions options = by(method);
+    const ComputeOptions options = update_options(method);
     LiveField live(ball(), small, kFullField, options);
     const Move move = bump(live.mesh(), live.mesh().vertices[5], 0.3, {0.1, 0.1, 0});
     EXPECT_TRUE(live.move(move.vertices, move.positions).anew);
@@ -373,7 +335,7 @@ TEST(LiveField, FullFieldsAreComputedAnew) {
 TEST(LiveField, ErrorsChangeNothing) {
   bool stop = false;
   int calls = 0, most = 0;
-  ComputeOptions options = by(SignMethod::automatic);
+  ComputeOptions options = update_options(SignMethod::automatic);
   ComputeOptions watched = options;
   watched.progress = [&](const Progress&) { return !stop || calls++ < most; };
   LiveField live(ball(), kGrid, 0.1, watched);
@@ -413,7 +375,7 @@ TEST(LiveField, ErrorsChangeNothing) {
 }
 
 TEST(LiveField, TheLimitCountsWhatIsKept) {
-  ComputeOptions options = by(SignMethod::automatic);
+  ComputeOptions options = update_options(SignMethod::automatic);
   options.memory_limit = 20'000;
   expect_error([&] { LiveField live(ball(), kGrid, 0.1, options); }, ErrorCode::limit, "kept");
   options.memory_limit = 1'000'000;
@@ -428,7 +390,7 @@ TEST(LiveField, TheLimitCountsWhatIsKept) {
 // end, they are found for each window.
 TEST(LiveField, TheLimitCountsCrossings) {
   const auto limit_of_field = [](SignMethod method) {
-    ComputeOptions options = by(method);
+    ComputeOptions options = update_options(method);
     options.memory_limit = 300'000;
     try {
       LiveField live(ball(), kGrid, 0.1, options);
@@ -443,7 +405,7 @@ TEST(LiveField, TheLimitCountsCrossings) {
 
   const Mesh mesh = ball();
   const Grid grid{{61, 253, 267}, kPlace - Vec3{1.25, 1.3, 1.35}, {0.042, 0.01, 0.01}};
-  ComputeOptions options = by(SignMethod::automatic);
+  ComputeOptions options = update_options(SignMethod::automatic);
   options.memory_limit = estimate(mesh, grid, 0.05, options).whole * 3 / 2;
   LiveField live(mesh, grid, 0.05, options);
   Random random(5);
@@ -456,7 +418,7 @@ TEST(LiveField, TheLimitCountsCrossings) {
 }
 
 TEST(LiveField, PositionsOfItsOwnMesh) {
-  const ComputeOptions options = by(SignMethod::none);
+  const ComputeOptions options = update_options(SignMethod::none);
   const Mesh mesh = ball();
   LiveField live(mesh, kGrid, 0.1, options);
   const std::vector<std::uint32_t> vertices{1, 2, 3};
@@ -467,11 +429,11 @@ TEST(LiveField, PositionsOfItsOwnMesh) {
 }
 
 TEST(LiveField, MovesAsAnObject) {
-  LiveField live(ball(), kGrid, 0.1, by(SignMethod::none));
+  LiveField live(ball(), kGrid, 0.1, update_options(SignMethod::none));
   LiveField other = std::move(live);
   const Move move = bump(other.mesh(), other.mesh().vertices[5], 0.3, {0.1, 0.1, 0});
   other.move(move.vertices, move.positions);
-  expect_as_computed(other, kGrid, 0.1, by(SignMethod::none));
+  expect_as_computed(other, kGrid, 0.1, update_options(SignMethod::none));
 }
 
 }  // namespace

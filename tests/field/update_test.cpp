@@ -18,6 +18,7 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/updated_fields.h"
 #include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
@@ -37,29 +38,6 @@ Mesh open_ball() {
   mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
   return mesh;
 }
-// Each triangle with corners of its own, as in STL.
-Mesh unwelded(const Mesh& mesh) {
-  Mesh soup;
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t v : t) soup.vertices.push_back(mesh.vertices[v]);
-    const auto first = static_cast<std::uint32_t>(soup.vertices.size() - 3);
-    soup.triangles.push_back({first, first + 1, first + 2});
-  }
-  return soup;
-}
-
-ComputeOptions by(SignMethod method) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  if (method == SignMethod::shell) options.sign.shell = 0.05;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
-}
-
-template <class A, class B>
-bool same_bytes(const A& a, const B& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
-}
 
 // Every tile alike: values, nearest triangles, marks.
 void expect_same(const DistanceField& updated, const DistanceField& anew) {
@@ -70,19 +48,7 @@ void expect_same(const DistanceField& updated, const DistanceField& anew) {
   EXPECT_EQ(updated.provenance().version, anew.provenance().version);
   ASSERT_EQ(updated.has_nearest(), anew.has_nearest());
   EXPECT_EQ(updated.stored_tiles(), anew.stored_tiles());
-  std::int64_t wrong = 0;
-  const Size3 tiles = anew.tile_count();
-  for (std::int64_t z = 0; z < tiles.z; ++z)
-    for (std::int64_t y = 0; y < tiles.y; ++y)
-      for (std::int64_t x = 0; x < tiles.x; ++x) {
-        const auto a = updated.tile(x, y, z), b = anew.tile(x, y, z);
-        bool same = a.has_value() == b.has_value() && updated.background(x, y, z) == anew.background(x, y, z);
-        if (same && a) same = same_bytes(*a, *b);
-        if (same && a && anew.has_nearest())
-          same = same_bytes(*updated.tile_nearest(x, y, z), *anew.tile_nearest(x, y, z));
-        wrong += !same;
-      }
-  EXPECT_EQ(wrong, 0) << "tiles of " << tiles.count();
+  EXPECT_EQ(differing_tiles(updated, anew), 0) << "tiles of " << anew.tile_count().count();
 }
 
 // Updates the field of `before` to `after` and compares it with the field computed anew.
@@ -128,7 +94,7 @@ TEST(Update, LocalMoves) {
           SCOPED_TRACE(std::string(find_info(method)->name) + ", " + std::to_string(thickness));
           const Mesh before = welded ? ball() : unwelded(ball());
           const Mesh after = dented(before, somewhere_on(before, random), 0.25, random.vector(0.15));
-          ComputeOptions options = by(method);
+          ComputeOptions options = update_options(method);
           options.nearest = nearest;
           // Parts of one triangle each are not known to face outwards.
           options.sign.as_oriented = !welded && method == SignMethod::automatic;
@@ -150,7 +116,7 @@ TEST(Update, ScatteredMoves) {
       const Vec3 by_that = random.vector(0.2);
       for (const std::uint32_t v : after.triangles[t]) after.vertices[v] = after.vertices[v] + by_that;
     }
-    const UpdateReport report = expect_update(before, after, kThin, by(method));
+    const UpdateReport report = expect_update(before, after, kThin, update_options(method));
     EXPECT_EQ(report.anew, method == SignMethod::automatic) << report.why;
   }
   const Mesh before = ball();
@@ -159,7 +125,7 @@ TEST(Update, ScatteredMoves) {
     Vec3& v = after.vertices[random.below(after.vertices.size())];
     v = v + random.vector(0.1);
   }
-  const UpdateReport report = expect_update(before, after, kThin, by(SignMethod::automatic));
+  const UpdateReport report = expect_update(before, after, kThin, update_options(SignMethod::automatic));
   EXPECT_FALSE(report.anew) << report.why;
   EXPECT_GT(report.windows, 1);
 }
@@ -171,7 +137,7 @@ TEST(Update, BumpsFlipMarks) {
   const auto marks = [](const DistanceField& field) {
     return std::ranges::count(field.slots(), DistanceField::kInside);
   };
-  const ComputeOptions options = by(SignMethod::winding);
+  const ComputeOptions options = update_options(SignMethod::winding);
   const double thin = 0.02;
   EXPECT_NE(marks(compute(before, kUpdateGrid, thin, options).field),
             marks(compute(after, kUpdateGrid, thin, options).field));
@@ -200,8 +166,8 @@ TEST(Update, PartsMove) {
     Mesh after = before;
     for (std::size_t v = 0; v < moving; ++v) after.vertices[v] = after.vertices[v] + by_that;
     for (const SignMethod method : {SignMethod::none, SignMethod::automatic}) {
-      EXPECT_FALSE(expect_update(before, after, 0.02, by(method), fine).anew);
-      EXPECT_FALSE(expect_update(after, before, 0.02, by(method), fine).anew);
+      EXPECT_FALSE(expect_update(before, after, 0.02, update_options(method), fine).anew);
+      EXPECT_FALSE(expect_update(after, before, 0.02, update_options(method), fine).anew);
     }
   }
 }
@@ -216,7 +182,7 @@ TEST(Update, EverySign) {
         if (sign.method == SignMethod::parity && n != 0) continue;  // closed meshes alone
         if (sign.method == SignMethod::none && invert) continue;
         SCOPED_TRACE(std::string(sign.name) + ", mesh " + std::to_string(n));
-        ComputeOptions options = by(sign.method);
+        ComputeOptions options = update_options(sign.method);
         options.sign.invert = invert;
         options.nearest = n == 1;
         const Mesh after = dented(meshes[n], somewhere_on(meshes[n], random), 0.25, random.vector(0.15));
@@ -234,7 +200,7 @@ TEST(Update, EverySign) {
 TEST(Update, AnewWhereItMustBe) {
   const Mesh before = ball();
   const Mesh after = dented(before, before.vertices[100], 0.25, {0.1, 0.1, 0});
-  const ComputeOptions winding = by(SignMethod::winding);
+  const ComputeOptions winding = update_options(SignMethod::winding);
   const Grid small{{21, 19, 23}, kFar - Vec3{1.25, 1.3, 1.35}, {0.12, 0.13, 0.11}};
   EXPECT_TRUE(expect_update(before, after, kFullField, winding, small).anew);
   ComputeOptions thesis = winding;
@@ -257,7 +223,7 @@ TEST(Update, AnewWhereItMustBe) {
       expect_update(unoriented, dented(unoriented, unoriented.vertices[50], 0.2, {0.1, 0, 0}), 0.2, winding, small)
           .anew);
   // Closed before, open afterwards, and the other way round.
-  const ComputeOptions automatic = by(SignMethod::automatic);
+  const ComputeOptions automatic = update_options(SignMethod::automatic);
   EXPECT_TRUE(expect_update(before, open_ball(), kThin, automatic).anew);
   EXPECT_TRUE(expect_update(open_ball(), before, kThin, automatic).anew);
   // Inside out: it is turned, before or afterwards.
@@ -271,7 +237,7 @@ TEST(Update, AnewWhereItMustBe) {
   as_oriented.sign.as_oriented = true;
   EXPECT_FALSE(expect_update(turned_before, turned, kThin, as_oriented).anew);
   // The field of other options.
-  DistanceField field = compute(before, kUpdateGrid, kThin, by(SignMethod::none)).field;
+  DistanceField field = compute(before, kUpdateGrid, kThin, update_options(SignMethod::none)).field;
   EXPECT_TRUE(update_field(before, after, changed_triangles(before, after), field, winding).anew);
   expect_same(field, compute(after, kUpdateGrid, kThin, winding).field);
 }
@@ -281,16 +247,16 @@ TEST(Update, TrianglesComeAndGo) {
   for (const SignMethod method : {SignMethod::none, SignMethod::automatic}) {
     Mesh fewer = before;
     fewer.triangles.resize(before.triangles.size() - 8);
-    EXPECT_EQ(expect_update(before, fewer, kThin, by(method)).triangles_changed, 8);
-    EXPECT_EQ(expect_update(fewer, before, kThin, by(method)).triangles_changed, 8);
+    EXPECT_EQ(expect_update(before, fewer, kThin, update_options(method)).triangles_changed, 8);
+    EXPECT_EQ(expect_update(fewer, before, kThin, update_options(method)).triangles_changed, 8);
     // A part that comes is closed of itself.
     Mesh more = before;
     const Mesh bit = at_grid(welded_ball(0.1, 2, {0.9, 0.9, 0.9}));
     const auto first = static_cast<std::uint32_t>(more.vertices.size());
     for (const Triangle& t : bit.triangles) more.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     more.vertices.insert(more.vertices.end(), bit.vertices.begin(), bit.vertices.end());
-    EXPECT_FALSE(expect_update(before, more, kThin, by(method)).anew);
-    EXPECT_FALSE(expect_update(more, before, kThin, by(method)).anew);
+    EXPECT_FALSE(expect_update(before, more, kThin, update_options(method)).anew);
+    EXPECT_FALSE(expect_update(more, before, kThin, update_options(method)).anew);
   }
 }
 
@@ -303,7 +269,7 @@ TEST(Update, DegenerateTrianglesAndCopies) {
       Triangle& t = after.triangles[random.below(after.triangles.size())];
       t = n % 2 == 0 ? Triangle{t[0], t[0], t[2]} : after.triangles[random.below(after.triangles.size())];
     }
-    ComputeOptions options = by(SignMethod::none);
+    ComputeOptions options = update_options(SignMethod::none);
     options.nearest = true;
     expect_update(before, after, thickness, options);
     expect_update(after, before, thickness, options);
@@ -312,14 +278,14 @@ TEST(Update, DegenerateTrianglesAndCopies) {
 
 TEST(Update, NothingChanges) {
   const Mesh mesh = ball();
-  DistanceField field = compute(mesh, kUpdateGrid, kThin, by(SignMethod::automatic)).field;
+  DistanceField field = compute(mesh, kUpdateGrid, kThin, update_options(SignMethod::automatic)).field;
   const DistanceField same = field;
-  const UpdateReport report = update_field(mesh, mesh, {}, field, by(SignMethod::automatic));
+  const UpdateReport report = update_field(mesh, mesh, {}, field, update_options(SignMethod::automatic));
   EXPECT_EQ(report.triangles_changed + report.windows + report.tiles_computed + report.tiles_changed, 0);
   expect_same(field, same);
   // Named, but not moved; in any order, and again.
   const std::vector<std::uint32_t> named{7, 3, 7, 100};
-  EXPECT_EQ(update_field(mesh, mesh, named, field, by(SignMethod::automatic)).triangles_changed, 0);
+  EXPECT_EQ(update_field(mesh, mesh, named, field, update_options(SignMethod::automatic)).triangles_changed, 0);
   expect_same(field, same);
 }
 
@@ -330,7 +296,7 @@ TEST(Update, OtherIndicesAreNoChange) {
   std::swap(after.vertices[3], after.vertices[90]);
   for (Triangle& t : after.triangles)
     for (std::uint32_t& v : t) v = v == 3 ? 90 : v == 90 ? 3 : v;
-  const UpdateReport report = expect_update(mesh, after, kThin, by(SignMethod::automatic));
+  const UpdateReport report = expect_update(mesh, after, kThin, update_options(SignMethod::automatic));
   EXPECT_EQ(report.anew, false);
   EXPECT_EQ(report.triangles_changed, 0);
 }
@@ -341,11 +307,11 @@ TEST(Update, FieldsOfWindows) {
   const Mesh before = ball();
   const Mesh after = dented(before, kFar + Vec3{0.2, 0.2, 0.9}, 0.3, {0.1, 0.1, -0.2});
   for (const SignMethod method : {SignMethod::none, SignMethod::winding})
-    EXPECT_FALSE(expect_update(before, after, kThin, by(method), window).anew);
+    EXPECT_FALSE(expect_update(before, after, kThin, update_options(method), window).anew);
 }
 
 TEST(Update, OnAnEmulatedGpu) {
-  ComputeOptions options = by(SignMethod::winding);
+  ComputeOptions options = update_options(SignMethod::winding);
   options.execution.backend = kEmulated;
   options.nearest = true;
   const Mesh before = at_grid(welded_ball(1, 4));
@@ -373,19 +339,19 @@ void update_on_and_on(const ComputeOptions& options, double thickness, int round
   EXPECT_LT(anew, rounds / 10);
 }
 TEST(Update, ThousandsInSequence) {
-  ComputeOptions nearest = by(SignMethod::automatic);
+  ComputeOptions nearest = update_options(SignMethod::automatic);
   nearest.nearest = true;
   const int share = kSanitized ? 20 : 1;
-  update_on_and_on(by(SignMethod::automatic), 0.04, 1000 / share);
+  update_on_and_on(update_options(SignMethod::automatic), 0.04, 1000 / share);
   update_on_and_on(nearest, 0.12, 600 / share);
-  update_on_and_on(by(SignMethod::none), 0.2, 400 / share);
+  update_on_and_on(update_options(SignMethod::none), 0.2, 400 / share);
 }
 
 TEST(Update, ErrorsLeaveTheFieldAsItWas) {
   const Mesh before = ball();
   const Mesh after = dented(before, before.vertices[100], 0.25, {0.1, 0.1, 0});
   const std::vector<std::uint32_t> changed = changed_triangles(before, after);
-  const ComputeOptions options = by(SignMethod::automatic);
+  const ComputeOptions options = update_options(SignMethod::automatic);
   DistanceField field = compute(before, kUpdateGrid, kThin, options).field;
   const DistanceField same = field;
   Mesh broken = after;
