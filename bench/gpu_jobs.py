@@ -67,7 +67,7 @@ def goal_jobs():
 
 def own_jobs():
     """What else we want to know, and where the time goes (Table 5.4)."""
-    jobs = [goal("factory", "tiles", output, FACTORY, 2) for output in ("graph", "host", "upload", "download")]
+    jobs = [goal("factory", "tiles", output, FACTORY, 2) for output in ("graph", "compute", "host", "upload", "download")]
     jobs += [goal("catapult", "tiles", "sparse", CATAPULT, 2), goal("factory", "thesis", "dense", FACTORY, 2),
              goal("catapult", "thesis", "dense", CATAPULT, 2), goal("factory", "tiles", "dense", FACTORY, 8)]
     bender = ((150, 150, 50), (150, 150, 50))
