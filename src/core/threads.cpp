@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/threads.h"
 
+#include <tbb/parallel_for.h>
+
 #include <array>
 #include <atomic>
 #include <cstddef>
+
+#include "core/side_by_side.h"
 
 namespace standoff {
 namespace {
@@ -47,5 +51,13 @@ BorrowedArena::BorrowedArena(int threads) : arena_(nullptr) {
 }
 
 BorrowedArena::~BorrowedArena() { give_back_arena(arena_); }
+
+void side_by_side(int threads, int count, const std::function<void(int)>& work) {
+  if (count <= 1) {
+    if (count == 1) work(0);
+    return;
+  }
+  Threads(threads).run([&] { tbb::parallel_for(0, count, work); });
+}
 
 }  // namespace standoff

@@ -95,9 +95,30 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes, const CallS
              at);
 }
 
+/// Copies on the stream, from or to pinned memory.
+inline void copy_in_later(void* to, const void* from, std::int64_t bytes, Stream stream,
+                          const CallSite& at = CallSite::current()) {
+  check_call(cudaMemcpyAsync(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice, stream),
+             "cudaMemcpyAsync to the GPU", at);
+}
+inline void copy_out_later(void* to, const void* from, std::int64_t bytes, Stream stream,
+                           const CallSite& at = CallSite::current()) {
+  check_call(cudaMemcpyAsync(to, from, static_cast<std::size_t>(bytes), cudaMemcpyDeviceToHost, stream),
+             "cudaMemcpyAsync from the GPU", at);
+}
+
 /// Waits until all work on the stream is done.
 inline void wait_for(Stream stream, const CallSite& at = CallSite::current()) {
   check_call(cudaStreamSynchronize(stream), "cudaStreamSynchronize", at);
+}
+
+/// Waits for the default stream, where nothing may be thrown.
+inline void finish_copies() noexcept { cudaStreamSynchronize(nullptr); }
+
+inline int current_device() {
+  int device = 0;
+  check_call(cudaGetDevice(&device), "cudaGetDevice");
+  return device;
 }
 
 /// Throws Error{limit} unless this number of bytes is free now.
@@ -135,6 +156,35 @@ class Memory {
 
  private:
   void* at_ = nullptr;
+};
+
+/// Host memory that the GPU reads and writes by itself.
+class PinnedMemory {
+ public:
+  explicit PinnedMemory(std::int64_t bytes) {
+    check_call(cudaHostAlloc(&at_, static_cast<std::size_t>(bytes), cudaHostAllocPortable), "cudaHostAlloc");
+  }
+  ~PinnedMemory() { cudaFreeHost(at_); }
+  PinnedMemory(const PinnedMemory&) = delete;
+  PinnedMemory& operator=(const PinnedMemory&) = delete;
+  void* at() const { return at_; }
+
+ private:
+  void* at_ = nullptr;
+};
+
+/// A point of a stream that the host can wait for. Until one is recorded, there is nothing to wait for.
+class Event {
+ public:
+  Event() { check_call(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreate"); }
+  ~Event() { cudaEventDestroy(event_); }
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+  void record(Stream stream) { check_call(cudaEventRecord(event_, stream), "cudaEventRecord"); }
+  void wait() const { check_call(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
+
+ private:
+  cudaEvent_t event_ = nullptr;
 };
 
 /// Makes a device the current one while it lives. It sets it only if it must, as this starts CUDA on the device.

@@ -64,6 +64,13 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes) {
   unwritten_words_copied += unwritten;
 }
 
+inline void copy_in_later(void* to, const void* from, std::int64_t bytes, Stream) { copy_in(to, from, bytes); }
+inline void copy_out_later(void* to, const void* from, std::int64_t bytes, Stream) { copy_out(to, from, bytes); }
+/// Does nothing, as wait_for().
+inline void finish_copies() noexcept {}
+
+inline int current_device() { return 0; }
+
 /// The emulated GPU's memory: bytes taken, and bytes in all, which tests may change.
 inline std::atomic<std::int64_t> memory_taken{0};
 inline std::atomic<std::int64_t> memory_total{std::int64_t{1} << 40};
@@ -98,6 +105,21 @@ class Memory {
     }
   };
   std::unique_ptr<void, Release> at_;
+};
+
+class PinnedMemory {
+ public:
+  explicit PinnedMemory(std::int64_t bytes) : at_(new char[static_cast<std::size_t>(bytes)]) {}
+  void* at() const { return at_.get(); }
+
+ private:
+  std::unique_ptr<char[]> at_;
+};
+
+/// Does nothing: copies are done when they return.
+struct Event {
+  void record(Stream) {}
+  void wait() const {}
 };
 
 /// Does nothing: there is only one device.

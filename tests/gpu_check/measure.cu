@@ -131,7 +131,7 @@ Times measure_compute(const Mesh& mesh, const Grid& grid, double thickness, Meth
       Sink sink(field);
       const ComputeOptions options;
       ProgressMeter progress(options.progress);
-      STANDOFF_PLATFORM::run(method, {mesh, {}, grid, thickness, 1, Simd::automatic, progress}, sink);
+      STANDOFF_PLATFORM::run(method, {mesh, {}, grid, thickness, 0, Simd::automatic, progress}, sink);
     });
   });
 }

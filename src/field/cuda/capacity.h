@@ -13,12 +13,14 @@
 
 namespace standoff {
 
-/// Tiles copied between device and host at once: 32 MiB.
-inline constexpr std::int64_t kTilesAtOnce = 16384;
+/// Tiles that a thread of the host copies from the device one after the other: 2 MiB of values, a huge page. So threads
+/// that write to new memory seldom wait for the same page.
+inline constexpr std::int64_t kTilesTaken = 1024;
 
-/// Bytes of host memory that a run takes, beside its output.
+/// Bytes of host memory that a run takes, beside its output: slots, the tile of each slot, and pinned pieces
+/// (gpu/host_copies.cuh).
 inline std::int64_t host_scratch_bytes(const Grid& grid) {
-  return 4 * tile_count(grid.size) + 2 * 4 * kTilesAtOnce * DistanceField::kTileSamples;
+  return (4 + 8) * tile_count(grid.size) + (std::int64_t{16} << 20);
 }
 
 /// Throws Error{usage} for counts that no mesh can have, and for lists that no memory can hold.

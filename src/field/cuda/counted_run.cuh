@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <functional>
+#include <mutex>
 #include <vector>
 
 #include "field/backend.h"
 #include "field/cuda/capacity.h"
 #include "field/cuda/pipeline.cuh"
+#include "gpu/host_copies.cuh"
 #include "gpu/platform.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -148,8 +150,8 @@ class MeshOnDevice {
       : vertices_(bytes<Vec3>(job.mesh.vertices.size())),
         triangles_(bytes<Triangle>(job.mesh.triangles.size())),
         kept_(bytes<std::uint32_t>(job.kept.size())) {
-    copy_all<Vec3>(vertices_, job.mesh.vertices);
-    copy_all<Triangle>(triangles_, job.mesh.triangles);
+    copy_all<Vec3>(job.threads, vertices_, job.mesh.vertices);
+    copy_all<Triangle>(job.threads, triangles_, job.mesh.triangles);
     if (!job.kept.empty()) copy_in(kept_.as<void>(), job.kept.data(), bytes<std::uint32_t>(job.kept.size()));
     mesh_ = {vertices_.as<double>(),
              static_cast<std::int64_t>(job.mesh.vertices.size()),
@@ -169,61 +171,76 @@ class MeshOnDevice {
   static std::int64_t bytes(std::size_t count) {
     return static_cast<std::int64_t>(count * sizeof(T));
   }
-  // Converts elements of another layout in batches.
+  // Elements of another layout are converted on the way.
   template <class T, class Array>
-  static void copy_all(const Memory& to, const Array& all) {
-    if (const auto packed = all.as_span()) {
-      copy_in(to.as<void>(), packed->data(), bytes<T>(packed->size()));
-      return;
-    }
-    constexpr std::size_t kAtOnce = std::size_t{1} << 18;
-    std::vector<T> staged(std::min(all.size(), kAtOnce));
-    for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
-      const std::size_t count = std::min(all.size() - first, kAtOnce);
-      for (std::size_t n = 0; n < count; ++n) staged[n] = all[first + n];
-      copy_in(to.as<T>() + first, staged.data(), bytes<T>(count));
-    }
+  static void copy_all(int threads, const Memory& to, const Array& all) {
+    const auto packed = all.as_span();
+    copy_in_by_pieces(threads, to.as<void>(), static_cast<std::int64_t>(all.size()), sizeof(T),
+                      [&](void* piece, std::int64_t first, std::int64_t count) {
+                        T* const elements = static_cast<T*>(piece);
+                        const auto from = static_cast<std::size_t>(first);
+                        if (packed)
+                          std::copy_n(packed->data() + from, count, elements);
+                        else
+                          for (std::int64_t n = 0; n < count; ++n) elements[n] = all[from + static_cast<std::size_t>(n)];
+                      });
   }
   Memory vertices_, triangles_, kept_;
   DeviceMesh mesh_;
 };
 
-/// Copies finished tiles from the device in batches, and writes them to the sink.
-inline void hand_over(const DeviceOutput& output, const Lattice& l, Sink& sink, ProgressMeter& progress) {
-  const std::int64_t tiles = l.tile_count();
-  std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles));
-  copy_out(slots.data(), output.slots, tiles * static_cast<std::int64_t>(sizeof(std::int32_t)));
-  const std::int64_t batch = std::min(output.slot_capacity, kTilesAtOnce);
-  std::vector<float> values(static_cast<std::size_t>(batch) * kTileSamples);
-  std::vector<std::uint32_t> nearest(output.nearest ? values.size() : 0);
-  std::int64_t here = 0, end = 0;  // the range of slots in host memory
-  for (std::int64_t index = 0; index < tiles; ++index) {
-    const std::int64_t slot = slots[index];
-    if (slot < 0) continue;
-    if (slot >= end) {  // slots ascend
-      here = slot;
-      end = std::min(here + batch, output.slot_capacity);
-      const std::int64_t first = here * kTileSamples, bytes = (end - here) * kTileSamples * 4;
-      copy_out(values.data(), output.values + first, bytes);
-      if (output.nearest) copy_out(nearest.data(), output.nearest + first, bytes);
-      progress.advance();
+/// Copies finished tiles from the device and writes them to the sink, on several threads.
+inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l, Sink& sink, ProgressMeter& progress) {
+  if (output.slot_capacity == 0) return;
+  std::vector<std::int32_t> slots(static_cast<std::size_t>(l.tile_count()));
+  copy_out(slots.data(), output.slots, l.tile_count() * static_cast<std::int64_t>(sizeof(std::int32_t)));
+  std::vector<std::int64_t> tile_of_slot(static_cast<std::size_t>(output.slot_capacity), -1);
+  for (std::size_t index = 0; index < slots.size(); ++index)
+    if (slots[index] >= 0) tile_of_slot[static_cast<std::size_t>(slots[index])] = static_cast<std::int64_t>(index);
+
+  std::vector<std::vector<TileTarget>> targets(kCopyWorkers);  // of the slots that a worker has taken
+  std::mutex opening;  // so that a worker's tiles lie side by side in the memory of a sparse field
+  const auto open = [&](int worker, std::int64_t first, std::int64_t count) {
+    auto& mine = targets[static_cast<std::size_t>(worker)];
+    mine.assign(static_cast<std::size_t>(count), {});
+    const std::lock_guard lock(opening);
+    for (std::int64_t n = 0; n < count; ++n) {
+      const std::int64_t index = tile_of_slot[static_cast<std::size_t>(first + n)];
+      if (index < 0) continue;  // a tile without a sample of the band
+      std::int64_t tile[3];
+      tile_at(l, index, tile);
+      mine[static_cast<std::size_t>(n)] = sink.open(tile[0], tile[1], tile[2]);
     }
-    std::int64_t tile[3];
-    tile_at(l, index, tile);
-    const TileTarget target = sink.open(tile[0], tile[1], tile[2]);
-    for (std::int64_t z = 0; z < target.size.z; ++z)
-      for (std::int64_t y = 0; y < target.size.y; ++y) {
-        const std::int64_t from = (slot - here) * kTileSamples + 64 * z + 8 * y;
-        const std::int64_t to = target.row * y + target.slice * z;
-        std::copy_n(values.data() + from, target.size.x, target.values + to);
-        if (target.nearest) std::copy_n(nearest.data() + from, target.size.x, target.nearest + to);
-      }
-  }
+  };
+  constexpr std::int64_t kAtOnce = kPieceBytes / (2 * 4 * kTileSamples);  // in a piece: values, then nearest triangles
+  const auto copy = [&](void* piece, std::int64_t first, std::int64_t count) {
+    float* const values = static_cast<float*>(piece);
+    copy_out_later(values, output.values + first * kTileSamples, 4 * count * kTileSamples, nullptr);
+    if (output.nearest)
+      copy_out_later(values + kAtOnce * kTileSamples, output.nearest + first * kTileSamples, 4 * count * kTileSamples,
+                     nullptr);
+  };
+  const auto use = [&](int worker, const void* piece, std::int64_t first, std::int64_t count) {
+    const float* const values = static_cast<const float*>(piece);
+    const auto* const nearest = reinterpret_cast<const std::uint32_t*>(values + kAtOnce * kTileSamples);
+    for (std::int64_t n = 0; n < count; ++n) {
+      const TileTarget& to = targets[static_cast<std::size_t>(worker)][static_cast<std::size_t>(first % kTilesTaken + n)];
+      if (!to.values) continue;
+      for (std::int64_t z = 0; z < to.size.z; ++z)
+        for (std::int64_t y = 0; y < to.size.y; ++y) {
+          const std::int64_t from = n * kTileSamples + 64 * z + 8 * y, row = to.row * y + to.slice * z;
+          std::copy_n(values + from, to.size.x, to.values + row);
+          if (to.nearest) std::copy_n(nearest + from, to.size.x, to.nearest + row);
+        }
+    }
+    if (first % kTilesTaken + count == kTilesTaken) progress.advance();
+  };
+  copy_out_by_pieces(threads, output.slot_capacity, kTilesTaken, kAtOnce, open, copy, use);
 }
 
 /// Units of progress of a window: so many for its copies, and seven times as many for computing it.
 inline std::int64_t copies_of(const Grid& grid) {
-  return std::max<std::int64_t>(1, tile_count(grid.size) / kTilesAtOnce);
+  return std::max<std::int64_t>(1, tile_count(grid.size) / kTilesTaken);
 }
 inline constexpr std::int64_t kUnitsPerCopy = 8;
 
@@ -240,7 +257,7 @@ class HostRun {
     field.run<Pipeline>();
     job_.progress.advance((kUnitsPerCopy - 1) * copies_of(window));
     Sink part = sink.of_window(job_.grid, window);
-    hand_over(field.output(), field.lattice, part, job_.progress);
+    hand_over(job_.threads, field.output(), field.lattice, part, job_.progress);
     return {static_cast<std::int64_t>(field.outcome().samples_examined),
             static_cast<std::int64_t>(field.outcome().samples_band)};
   }
