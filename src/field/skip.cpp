@@ -209,18 +209,20 @@ class CornerTable {
 bool has_many_copies(MeshView mesh, std::span<const std::uint32_t> among) {
   const std::size_t all = number_among(mesh, among);
   const auto taken = std::min(all, static_cast<std::size_t>(8 * std::sqrt(static_cast<double>(all))));
-  std::vector<std::uint32_t> some(taken);
-  for (std::size_t n = 0; n < taken; ++n)
-    some[n] = nth_among(among, taken == all ? n : static_cast<std::size_t>(splitmix64(n) % all));
+  // Hashes with the triangles that have them: one that was taken twice then lies beside itself.
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> some(taken);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, taken, 1024), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n < range.end(); ++n) {
+      const std::uint32_t triangle = nth_among(among, taken == all ? n : static_cast<std::size_t>(splitmix64(n) % all));
+      some[n] = {corner_hash(corner_bits_of(mesh, triangle)), triangle};
+    }
+  });
   std::ranges::sort(some);
   some.erase(std::unique(some.begin(), some.end()), some.end());
-  std::vector<std::uint64_t> hashes;
-  for (const std::uint32_t triangle : some) hashes.push_back(corner_hash(corner_bits_of(mesh, triangle)));
-  std::ranges::sort(hashes);
   double pairs = 0;
-  for (auto next = hashes.begin(); next != hashes.end();) {
+  for (auto next = some.begin(); next != some.end();) {
     const auto first = next;
-    next = std::find_if(next, hashes.end(), [&](std::uint64_t h) { return h != *first; });
+    next = std::find_if(next, some.end(), [&](const auto& one) { return one.first != first->first; });
     const auto same = static_cast<double>(next - first);
     pairs += same * (same - 1) / 2;
   }

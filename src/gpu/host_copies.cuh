@@ -7,6 +7,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -53,27 +55,29 @@ class Pieces {
   std::array<Piece, 2 * kCopyWorkers> pieces_;
 };
 
-/// The pieces kept on this device, or new ones if another call uses them. Waits for the copies at its end, whatever
-/// ended it.
+/// The pieces kept for this device, or new ones if another call uses them.
 class BorrowedPieces {
  public:
   BorrowedPieces() : device_(current_device()) {
-    const std::lock_guard lock(kept().taking);
-    Kept& all = kept();
-    if (all.device == device_) mine_ = std::move(all.pieces);
+    {
+      const std::lock_guard lock(kept().taking);
+      if (kept().device == device_) mine_ = std::move(kept().pieces);
+    }
     if (!mine_) mine_ = std::make_unique<Pieces>();
-  }
-  ~BorrowedPieces() {
-    finish_copies();
-    const std::lock_guard lock(kept().taking);
-    kept().device = device_;
-    kept().pieces.swap(mine_);
   }
   BorrowedPieces(const BorrowedPieces&) = delete;
   BorrowedPieces& operator=(const BorrowedPieces&) = delete;
 
   int device() const { return device_; }
   Pieces* operator->() const { return mine_.get(); }
+
+  /// Once all copies are done: keeps the pieces for the next call. Without this, as after an exception, they are freed,
+  /// which waits for copies that are under way.
+  void give_back() {
+    const std::lock_guard lock(kept().taking);
+    kept().device = device_;
+    kept().pieces.swap(mine_);
+  }
 
  private:
   struct Kept {
@@ -91,58 +95,85 @@ class BorrowedPieces {
   std::unique_ptr<Pieces> mine_;
 };
 
-/// Copies `count` items of `item_bytes` each to the device. fill(piece, first, count) writes the next ones to a piece;
-/// it is called from several threads.
-template <class Fill>
-void copy_in_by_pieces(int threads, void* to, std::int64_t count, std::int64_t item_bytes, const Fill& fill) {
-  const std::int64_t at_once = kPieceBytes / item_bytes, pieces = (count + at_once - 1) / at_once;
-  const BorrowedPieces borrowed;
+/// The number of workers for so many bytes: each has a piece at least.
+inline int copy_workers(std::int64_t bytes) {
+  return static_cast<int>(std::clamp<std::int64_t>(bytes / kPieceBytes, 1, kCopyWorkers));
+}
+
+/// `count` items of `item_bytes` each, for the device's memory at `to`. fill(piece, first, count) writes the next ones
+/// to a piece.
+struct HostArray {
+  void* to;
+  std::int64_t count, item_bytes;
+  std::function<void(void* piece, std::int64_t first, std::int64_t count)> fill;
+
+  std::int64_t at_once() const { return kPieceBytes / item_bytes; }
+  std::int64_t pieces() const { return (count + at_once() - 1) / at_once(); }
+};
+
+/// Copies arrays to the device. They are filled from several threads.
+inline void copy_in_by_pieces(int threads, std::initializer_list<HostArray> arrays) {
+  std::int64_t pieces = 0, bytes = 0;
+  for (const HostArray& array : arrays) pieces += array.pieces(), bytes += array.count * array.item_bytes;
+  BorrowedPieces borrowed;
   std::atomic<std::int64_t> next{0};
-  side_by_side(threads, static_cast<int>(std::min<std::int64_t>(kCopyWorkers, pieces)), [&](int worker) {
+  side_by_side(threads, copy_workers(bytes), [&](int worker) {
     const DeviceScope scope(borrowed.device());
     bool second = false;
+    const HostArray* array = arrays.begin();
+    std::int64_t before = 0;  // pieces of the arrays before this one
     for (std::int64_t n = next++; n < pieces; n = next++, second = !second) {
+      for (; n - before >= array->pieces(); ++array) before += array->pieces();
       Pieces::Piece& piece = borrowed->of(worker, second);
       piece.wait();
-      const std::int64_t first = n * at_once, here = std::min(at_once, count - first);
-      fill(piece.at(), first, here);
-      copy_in_later(static_cast<char*>(to) + first * item_bytes, piece.at(), here * item_bytes, nullptr);
+      const std::int64_t first = (n - before) * array->at_once(),
+                         count = std::min(array->at_once(), array->count - first);
+      array->fill(piece.at(), first, count);
+      copy_in_later(static_cast<char*>(array->to) + first * array->item_bytes, piece.at(), count * array->item_bytes,
+                    nullptr);
       piece.mark();
     }
   });
   wait_for(nullptr);
+  borrowed.give_back();
 }
 
-/// Copies `count` items from the device, so many at once as `at_once` says: copy(piece, first, count) puts their copies
-/// to a piece on the default stream, and use(piece, first, count) is called when they are there. A worker takes `taken`
-/// items in a row; begin(worker, first, count) is called before their first copy. All are called from several threads.
+/// How copies from the device are cut: a worker takes `taken` items in a row, and copies them `at_once` at a time.
+struct CutOfCopies {
+  std::int64_t count, item_bytes, taken, at_once;
+};
+
+/// Copies items from the device: copy(piece, first, count) puts their copies to a piece on the default stream, and
+/// use(worker, piece, first, count) is called when they are there. begin(worker, first, count) is called for the items
+/// that a worker takes, before their first copy. All are called from several threads.
 template <class Begin, class Copy, class Use>
-void copy_out_by_pieces(int threads, std::int64_t count, std::int64_t taken, std::int64_t at_once, const Begin& begin,
-                        const Copy& copy, const Use& use) {
-  const std::int64_t ranges = (count + taken - 1) / taken;
-  const BorrowedPieces borrowed;
+void copy_out_by_pieces(int threads, const CutOfCopies& cut, const Begin& begin, const Copy& copy, const Use& use) {
+  const std::int64_t ranges = (cut.count + cut.taken - 1) / cut.taken;
+  BorrowedPieces borrowed;
   std::atomic<std::int64_t> next{0};
-  side_by_side(threads, static_cast<int>(std::min<std::int64_t>(kCopyWorkers, ranges)), [&](int worker) {
+  side_by_side(threads, copy_workers(cut.count * cut.item_bytes), [&](int worker) {
     const DeviceScope scope(borrowed.device());
     for (std::int64_t n = next++; n < ranges; n = next++) {
-      const std::int64_t from = n * taken, to = std::min(count, from + taken);
+      const std::int64_t from = n * cut.taken, to = std::min(cut.count, from + cut.taken);
       begin(worker, from, to - from);
-      const auto size = [&](std::int64_t first) { return std::min(at_once, to - first); };
+      const auto piece_of = [&](std::int64_t first) -> Pieces::Piece& {
+        return borrowed->of(worker, (first - from) / cut.at_once % 2 != 0);
+      };
+      const auto size_of = [&](std::int64_t first) { return std::min(cut.at_once, to - first); };
       const auto ask = [&](std::int64_t first) {
         if (first >= to) return;
-        Pieces::Piece& piece = borrowed->of(worker, (first - from) / at_once % 2 != 0);
-        copy(piece.at(), first, size(first));
-        piece.mark();
+        copy(piece_of(first).at(), first, size_of(first));
+        piece_of(first).mark();
       };
       ask(from);
-      for (std::int64_t first = from; first < to; first += at_once) {
-        ask(first + at_once);
-        Pieces::Piece& piece = borrowed->of(worker, (first - from) / at_once % 2 != 0);
-        piece.wait();
-        use(worker, piece.at(), first, size(first));
+      for (std::int64_t first = from; first < to; first += cut.at_once) {
+        ask(first + cut.at_once);
+        piece_of(first).wait();
+        use(worker, piece_of(first).at(), first, size_of(first));
       }
     }
   });
+  borrowed.give_back();
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -9,6 +9,7 @@
 #define STANDOFF_HAVE_NVTX 1
 #endif
 #include <cstdint>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -112,12 +113,9 @@ inline void wait_for(Stream stream, const CallSite& at = CallSite::current()) {
   check_call(cudaStreamSynchronize(stream), "cudaStreamSynchronize", at);
 }
 
-/// Waits for the default stream, where nothing may be thrown.
-inline void finish_copies() noexcept { cudaStreamSynchronize(nullptr); }
-
-inline int current_device() {
+inline int current_device(const CallSite& at = CallSite::current()) {
   int device = 0;
-  check_call(cudaGetDevice(&device), "cudaGetDevice");
+  check_call(cudaGetDevice(&device), "cudaGetDevice", at);
   return device;
 }
 
@@ -158,11 +156,16 @@ class Memory {
   void* at_ = nullptr;
 };
 
-/// Host memory that the GPU reads and writes by itself.
+/// Host memory that the GPU reads and writes by itself. Throws std::bad_alloc if there is not enough.
 class PinnedMemory {
  public:
-  explicit PinnedMemory(std::int64_t bytes) {
-    check_call(cudaHostAlloc(&at_, static_cast<std::size_t>(bytes), cudaHostAllocPortable), "cudaHostAlloc");
+  explicit PinnedMemory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
+    const cudaError_t result = cudaHostAlloc(&at_, static_cast<std::size_t>(bytes), cudaHostAllocPortable);
+    if (result == cudaErrorMemoryAllocation) {
+      cudaGetLastError();
+      throw std::bad_alloc();
+    }
+    check_call(result, "cudaHostAlloc", at);
   }
   ~PinnedMemory() { cudaFreeHost(at_); }
   PinnedMemory(const PinnedMemory&) = delete;
@@ -176,12 +179,18 @@ class PinnedMemory {
 /// A point of a stream that the host can wait for. Until one is recorded, there is nothing to wait for.
 class Event {
  public:
-  Event() { check_call(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreate"); }
+  explicit Event(const CallSite& at = CallSite::current()) {
+    check_call(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreateWithFlags", at);
+  }
   ~Event() { cudaEventDestroy(event_); }
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
-  void record(Stream stream) { check_call(cudaEventRecord(event_, stream), "cudaEventRecord"); }
-  void wait() const { check_call(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
+  void record(Stream stream, const CallSite& at = CallSite::current()) {
+    check_call(cudaEventRecord(event_, stream), "cudaEventRecord", at);
+  }
+  void wait(const CallSite& at = CallSite::current()) const {
+    check_call(cudaEventSynchronize(event_), "cudaEventSynchronize", at);
+  }
 
  private:
   cudaEvent_t event_ = nullptr;

@@ -3,8 +3,8 @@
 // a line each:
 //   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
-// to host memory, dense), upload and download (its copies alone), compute (what compute() does of it: from host memory to
-// a new sparse field there), counting (the part of dense before triangles are listed), or dense with parts left out
+// to host memory, dense), upload and download (its copies alone), compute (what compute() does of it: from host memory
+// to a new sparse field there), counting (the part of dense before triangles are listed), or dense with parts left out
 // (parts.cuh). The grid has NX NY NZ cells in a
 // box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
 // left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
@@ -155,8 +155,7 @@ void run(const Line& l) {
     return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
                            field.values());
   const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
-  const Times t =
-      l.output == "compute" ? measure_compute(mesh, grid, thickness, method) : measure(l, mesh, field);
+  const Times t = l.output == "compute" ? measure_compute(mesh, grid, thickness, method) : measure(l, mesh, field);
   double written =
       4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * kTileSamples : grid.sample_count());
   if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());

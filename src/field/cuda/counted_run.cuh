@@ -150,9 +150,9 @@ class MeshOnDevice {
       : vertices_(bytes<Vec3>(job.mesh.vertices.size())),
         triangles_(bytes<Triangle>(job.mesh.triangles.size())),
         kept_(bytes<std::uint32_t>(job.kept.size())) {
-    copy_all<Vec3>(job.threads, vertices_, job.mesh.vertices);
-    copy_all<Triangle>(job.threads, triangles_, job.mesh.triangles);
-    if (!job.kept.empty()) copy_in(kept_.as<void>(), job.kept.data(), bytes<std::uint32_t>(job.kept.size()));
+    copy_in_by_pieces(job.threads,
+                      {converted<Vec3>(vertices_, job.mesh.vertices),
+                       converted<Triangle>(triangles_, job.mesh.triangles), copied<std::uint32_t>(kept_, job.kept)});
     mesh_ = {vertices_.as<double>(),
              static_cast<std::int64_t>(job.mesh.vertices.size()),
              triangles_.as<std::uint32_t>(),
@@ -171,19 +171,22 @@ class MeshOnDevice {
   static std::int64_t bytes(std::size_t count) {
     return static_cast<std::int64_t>(count * sizeof(T));
   }
+  template <class T>
+  static HostArray copied(const Memory& to, std::span<const T> all) {
+    return {to.as<void>(), static_cast<std::int64_t>(all.size()), sizeof(T),
+            [all](void* piece, std::int64_t first, std::int64_t count) {
+              std::copy_n(all.data() + first, count, static_cast<T*>(piece));
+            }};
+  }
   // Elements of another layout are converted on the way.
   template <class T, class Array>
-  static void copy_all(int threads, const Memory& to, const Array& all) {
-    const auto packed = all.as_span();
-    copy_in_by_pieces(threads, to.as<void>(), static_cast<std::int64_t>(all.size()), sizeof(T),
-                      [&](void* piece, std::int64_t first, std::int64_t count) {
-                        T* const elements = static_cast<T*>(piece);
-                        const auto from = static_cast<std::size_t>(first);
-                        if (packed)
-                          std::copy_n(packed->data() + from, count, elements);
-                        else
-                          for (std::int64_t n = 0; n < count; ++n) elements[n] = all[from + static_cast<std::size_t>(n)];
-                      });
+  static HostArray converted(const Memory& to, const Array& all) {
+    if (const auto packed = all.as_span()) return copied<T>(to, *packed);
+    return {to.as<void>(), static_cast<std::int64_t>(all.size()), sizeof(T),
+            [&all](void* piece, std::int64_t first, std::int64_t count) {
+              T* const elements = static_cast<T*>(piece);
+              for (std::int64_t n = 0; n < count; ++n) elements[n] = all[static_cast<std::size_t>(first + n)];
+            }};
   }
   Memory vertices_, triangles_, kept_;
   DeviceMesh mesh_;
@@ -224,7 +227,8 @@ inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l,
     const float* const values = static_cast<const float*>(piece);
     const auto* const nearest = reinterpret_cast<const std::uint32_t*>(values + kAtOnce * kTileSamples);
     for (std::int64_t n = 0; n < count; ++n) {
-      const TileTarget& to = targets[static_cast<std::size_t>(worker)][static_cast<std::size_t>(first % kTilesTaken + n)];
+      const TileTarget& to =
+          targets[static_cast<std::size_t>(worker)][static_cast<std::size_t>(first % kTilesTaken + n)];
       if (!to.values) continue;
       for (std::int64_t z = 0; z < to.size.z; ++z)
         for (std::int64_t y = 0; y < to.size.y; ++y) {
@@ -235,7 +239,8 @@ inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l,
     }
     if (first % kTilesTaken + count == kTilesTaken) progress.advance();
   };
-  copy_out_by_pieces(threads, output.slot_capacity, kTilesTaken, kAtOnce, open, copy, use);
+  const std::int64_t tile_bytes = (output.nearest ? 8 : 4) * kTileSamples;
+  copy_out_by_pieces(threads, {output.slot_capacity, tile_bytes, kTilesTaken, kAtOnce}, open, copy, use);
 }
 
 /// Units of progress of a window: so many for its copies, and seven times as many for computing it.

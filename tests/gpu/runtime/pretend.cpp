@@ -92,6 +92,15 @@ PRETEND(cudaFree)(void* at) {
   std::free(at);
   return called("cudaFree");
 }
+PRETEND(cudaHostAlloc)(void** at, std::size_t bytes, unsigned) {
+  if (const cudaError_t error = called("cudaHostAlloc")) return error;
+  *at = std::malloc(bytes);
+  return cudaSuccess;
+}
+PRETEND(cudaFreeHost)(void* at) {
+  std::free(at);
+  return called("cudaFreeHost");
+}
 PRETEND(cudaMemGetInfo)(std::size_t* free, std::size_t* total) {
   *total = static_cast<std::size_t>(gpu.memory);
   *free = static_cast<std::size_t>(gpu.memory - standoff::pretend::taken());
@@ -105,10 +114,20 @@ PRETEND(cudaMemcpy)(void* to, const void* from, std::size_t bytes, cudaMemcpyKin
     std::memcpy(to, from, bytes);
   return called("cudaMemcpy");
 }
+PRETEND(cudaMemcpyAsync)(void* to, const void* from, std::size_t bytes, cudaMemcpyKind, cudaStream_t stream) {
+  std::memcpy(to, from, bytes);
+  return called("cudaMemcpyAsync", stream);
+}
 PRETEND(cudaMemsetAsync)(void* at, int value, std::size_t bytes, cudaStream_t stream) {
   std::memset(at, value, bytes);
   return called("cudaMemsetAsync", stream);
 }
+PRETEND(cudaEventCreateWithFlags)(cudaEvent_t* event, unsigned) {
+  *event = nullptr;
+  return called("cudaEventCreateWithFlags");
+}
+PRETEND(cudaEventRecord)(cudaEvent_t, cudaStream_t stream) { return called("cudaEventRecord", stream); }
+PRETEND(cudaEventDestroy)(cudaEvent_t) { return called("cudaEventDestroy"); }
 PRETEND(cudaLaunchKernelExC)(const cudaLaunchConfig_t* config, const void*, void**) {
   return called("a launch", config->stream);
 }
@@ -129,6 +148,3 @@ PRETEND(cudaStreamSynchronize)(cudaStream_t stream) { return called("cudaStreamS
 PRETEND(cudaEventSynchronize)(cudaEvent_t) { return called("cudaEventSynchronize"); }
 PRETEND(cudaMallocAsync)(void**, std::size_t, cudaStream_t stream) { return called("cudaMallocAsync", stream); }
 PRETEND(cudaFreeAsync)(void*, cudaStream_t stream) { return called("cudaFreeAsync", stream); }
-PRETEND(cudaMemcpyAsync)(void*, const void*, std::size_t, cudaMemcpyKind, cudaStream_t stream) {
-  return called("cudaMemcpyAsync", stream);
-}
