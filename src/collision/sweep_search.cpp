@@ -140,13 +140,15 @@ class SweepSearch {
     while (!waiting_->empty()) {
       const MovingNodes next = pop();
       if (done(next.time)) break;
-      if (most_steps != 0 && ++steps_ > most_steps) {
+      if (++steps_ > most_steps && most_steps != 0) {
         // All others that wait are apart until later.
         SweepResult unfinished;
         unfinished.time = next.time;
         unfinished.finished = false;
         return unfinished;
       }
+      if (steps_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_) nodes_.find_orbits(), knows_orbits_ = true;
+      if (nodes_.stay_apart(next)) continue;
       if (field_pays_ && has_whole_target(next))
         advance_by_field(next);
       else
@@ -193,6 +195,7 @@ class SweepSearch {
   void follow(MovingNodes leaves) {
     const double from = leaves.time, all = nodes_.time_of_size(leaves);
     nodes_.take(leaves);
+    if (!nodes_.may_meet()) return;
     MovingNodePairs::LeafPairs pairs;
     double until = 0;
     for (bool shorter = true; shorter;) {
@@ -281,6 +284,7 @@ class SweepSearch {
   const float enough_;           // steps this long are taken without sampling the fine field
   SweepResult result_;           // the first contact so far
   std::int64_t steps_ = 0;       // pairs of nodes and of triangles
+  bool knows_orbits_ = false;
   const KeptByThread<std::vector<MovingNodes>> waiting_;
 };
 
