@@ -62,7 +62,7 @@ STANDOFF_HD std::int64_t tile_groups(const Fields& fields) {
 /// filled. The order of items depends on the timing of threads, but no bit of the field does.
 template <class Fields>
 STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork work, bool fills) {
-  if (fields.outcome()->stopped) return;
+  if (fields.total()->stopped) return;
   const int lane = static_cast<int>(threadIdx.x) % 32;
   const std::int64_t tiles = tile_count_of(fields), groups = (fields.tiles(0) + 31) / 32,
                      group = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32;
@@ -105,9 +105,7 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
 
 /// Fills the tiles of an item without a list with the value far from all triangles. All threads of the block take part:
 /// a warp fills a row of samples through all of the tiles.
-STANDOFF_DEVICE void fill_tiles(const Field& f, const WorkItem& item) {
-  const Lattice& l = f.lattice;
-  const DeviceOutput& output = f.output;
+STANDOFF_DEVICE void fill_tiles(const Lattice& l, const WorkItem& item, const DeviceOutput& output) {
   const int lane = static_cast<int>(threadIdx.x) % 32, warps = static_cast<int>(blockDim.x) / 32;
   const std::int64_t left = l.size[0] - item.tile[0] * kTileSide;
   const int width = left < 32 * kTileSide ? static_cast<int>(left) : 32 * kTileSide;

@@ -42,9 +42,9 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
   if (n >= task.count) return;
   Outcome* const outcome = task.outcomes + n;
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
-  Field& field = fields.all[n];
-  field.lattice = {};
-  field.outcome = outcome;
+  PlacedField& made = fields.all[n];
+  made = {};
+  made.outcome = outcome;
   if (!ascends(task.first_vertex, n, task.count, task.vertex_count) ||
       !ascends(task.first_triangle, n, task.count, task.triangle_count)) {
     task.total->needed_entries = Outcome::kNoOrder;
@@ -58,46 +58,46 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
     return;
   }
   const std::int64_t vertex = task.first_vertex[n], triangle = task.first_triangle[n], sample = n * task.size.count();
-  field.lattice = lattice_of({{place.origin.x, place.spacing.x, 0, task.size.x},
-                              {place.origin.y, place.spacing.y, 0, task.size.y},
-                              {place.origin.z, place.spacing.z, 0, task.size.z}},
-                             place.thickness);
-  field.mesh = {task.vertices + 3 * vertex, task.first_vertex[n + 1] - vertex, task.triangles + 3 * triangle,
-                task.first_triangle[n + 1] - triangle};
-  field.output = {task.values + sample, task.nearest ? task.nearest + sample : nullptr};
+  made.lattice = lattice_of({{place.origin.x, place.spacing.x, 0, task.size.x},
+                             {place.origin.y, place.spacing.y, 0, task.size.y},
+                             {place.origin.z, place.spacing.z, 0, task.size.z}},
+                            place.thickness);
+  made.mesh = {task.vertices + 3 * vertex, task.first_vertex[n + 1] - vertex, task.triangles + 3 * triangle,
+                     task.first_triangle[n + 1] - triangle};
+  made.output = {task.values + sample, task.nearest ? task.nearest + sample : nullptr};
 }
 
 /// Tells each field how many entries it needs, or what stopped all of them. A thread per field.
 STANDOFF_KERNEL void share_counts(ManyFields fields, const Counter* start) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= fields.count) return;
-  Outcome& outcome = *fields.all[n].outcome;
+  Outcome& outcome = *fields.field(n).outcome;
   if (outcome.stopped) return;
-  const bool all_stopped = fields.total->stopped != 0;
+  const bool all_stopped = fields.outcome->stopped != 0;
   outcome.stopped = all_stopped;
   outcome.needed_entries =
-      all_stopped ? fields.total->needed_entries : start[fields.tile(n + 1, 0, 0, 0)] - start[fields.tile(n, 0, 0, 0)];
+      all_stopped ? fields.outcome->needed_entries : start[fields.tile(n + 1, 0, 0, 0)] - start[fields.tile(n, 0, 0, 0)];
 }
 
 /// Sums the counts of the fields that did not stop. A thread per field.
 STANDOFF_KERNEL void sum_counts(ManyFields fields) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= fields.count) return;
-  const Outcome& outcome = *fields.all[n].outcome;
+  const Outcome& outcome = *fields.field(n).outcome;
   if (outcome.stopped) return;
-  atomicAdd(&fields.total->samples_examined, outcome.samples_examined);
-  atomicAdd(&fields.total->samples_band, outcome.samples_band);
+  atomicAdd(&fields.outcome->samples_examined, outcome.samples_examined);
+  atomicAdd(&fields.outcome->samples_band, outcome.samples_band);
 }
 
 /// The pipeline of many thin bands.
 struct ManyBands : BandLists {
   TileSums tiles;
-  Field* fields;
+  PlacedField* fields;
 
   ManyBands(gpu::Workspace& memory, const BatchTask& task, std::int64_t entries)
       : BandLists(memory, task.triangle_count, tile_count(stacked_grid(task).size), entries),
         tiles(memory, tile_count(stacked_grid(task).size)),
-        fields(memory.take<Field>(task.count)) {}
+        fields(memory.take<PlacedField>(task.count)) {}
 
   void enqueue(const BatchTask& task, Stream stream) const {
     clear(task.total, stream);
@@ -107,12 +107,12 @@ struct ManyBands : BandLists {
         fields, task.first_triangle, task.total, task.count, task.triangle_count, {each.x, each.y, each.z}};
     const std::int64_t per_field = blocks_for(task.count);
     launch(stream, "place fields", place_fields, per_field, kThreads, task, many);
-    count_all(many, tiles, stream);
+    count_all({}, many, tiles, stream);
     launch(stream, "share counts", share_counts, per_field, kThreads, many, lists.start);
     if (task.nearest)
-      fill_all<AllSteps, true>(many, true, stream);
+      fill_all<AllSteps, true>({}, many, true, stream);
     else
-      fill_all<AllSteps, false>(many, true, stream);
+      fill_all<AllSteps, false>({}, many, true, stream);
     launch(stream, "sum counts", sum_counts, per_field, kThreads, many);
   }
 };

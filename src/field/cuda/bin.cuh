@@ -170,20 +170,20 @@ inline constexpr int kBinBlocks = 6;
 /// Bins short triangles, a thread per triangle. The first pass also lists the long ones.
 template <bool kPlace, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
-    bin_small(Fields fields, TileLists lists, LongList long_ones) {
-  if (kPlace && __ballot_sync(0xffffffffu, fields.outcome()->stopped != 0) != 0) return;  // the warp must stay together
+    bin_small(typename Fields::Lattices lattices, Fields fields, TileLists lists, LongList long_ones) {
+  if (kPlace && __ballot_sync(0xffffffffu, fields.total()->stopped != 0) != 0) return;  // the warp must stay together
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   CellRange r{{0, 0, 0}, {-1, -1, -1}};
   std::uint32_t triangle = 0;
   std::int64_t number = 0;
   if (n < fields.triangle_count()) {
     number = fields.field_of(n);
-    const Field& f = fields.field(number);
+    const auto& f = fields.field(number);
     triangle = fields.triangle(number, n);
     // The first pass looks at all triangles of a mesh, even if it has stopped: the first bad one is to be named.
     if (kPlace ? !fields.has_stopped_alone(number)
                : fields.has_place(number) && is_valid(f.mesh, triangle, f.outcome))
-      r = tiles_of(f.lattice, corners_of(f.mesh, triangle));
+      r = tiles_of(fields.lattice(lattices, number), corners_of(f.mesh, triangle));
   }
   bool places = !r.empty();
   if (places && !r.is_small()) {
@@ -202,10 +202,9 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
 
 /// Bins a long triangle of field `number` into part `share` of `shares` of its range: a lane per tile.
 template <bool kPlace, class Fields>
-STANDOFF_DEVICE void bin_share(const Fields& fields, std::int64_t number, const TileLists& lists,
+STANDOFF_DEVICE void bin_share(const Lattice& l, const Fields& fields, std::int64_t number, const TileLists& lists,
                                std::uint32_t triangle, int share, int shares, double reach_sq) {
-  const Field& f = fields.field(number);
-  const Lattice& l = f.lattice;
+  const auto& f = fields.field(number);
   const Corners c = corners_of(f.mesh, triangle);
   const CellRange r = tiles_of(l, c);
   if (r.empty()) return;
@@ -221,9 +220,10 @@ STANDOFF_DEVICE void bin_share(const Fields& fields, std::int64_t number, const 
 
 /// Bins long triangles: warps stride over them, and over the shares of the huge ones.
 template <bool kPlace, class Fields>
-STANDOFF_KERNEL void __launch_bounds__(kThreads) bin_long(Fields fields, TileLists lists, LongList long_ones) {
-  if (fields.outcome()->stopped) return;
-  const double reach_sq_of_one = Fields::kMany ? 0 : cell_reach_sq<kTileSide>(fields.field(0).lattice);
+STANDOFF_KERNEL void __launch_bounds__(kThreads)
+    bin_long(typename Fields::Lattices lattices, Fields fields, TileLists lists, LongList long_ones) {
+  if (fields.total()->stopped) return;
+  const double reach_sq_of_one = Fields::kMany ? 0 : cell_reach_sq<kTileSide>(fields.lattice(lattices, 0));
   const Counter count = long_ones.count[0], shares = long_ones.count[1] * kWarpsPerHuge;
   const Counter first = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32,
                 step = std::int64_t{gridDim.x} * (blockDim.x / 32);
@@ -235,8 +235,9 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads) bin_long(Fields fields, TileLis
                 : long_ones.numbers[n - shares];
     const std::int64_t number = fields.field_of(listed);
     if (fields.has_stopped_alone(number)) continue;
-    const double reach_sq = Fields::kMany ? cell_reach_sq<kTileSide>(fields.field(number).lattice) : reach_sq_of_one;
-    bin_share<kPlace>(fields, number, lists, fields.triangle(number, listed),
+    const Lattice& l = fields.lattice(lattices, number);
+    const double reach_sq = Fields::kMany ? cell_reach_sq<kTileSide>(l) : reach_sq_of_one;
+    bin_share<kPlace>(l, fields, number, lists, fields.triangle(number, listed),
                       is_huge ? static_cast<int>(n % kWarpsPerHuge) : 0, is_huge ? kWarpsPerHuge : 1, reach_sq);
   }
 }
@@ -246,7 +247,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads) bin_long(Fields fields, TileLis
 template <class Fields>
 STANDOFF_KERNEL void check_lists(Fields fields, const std::uint32_t* counts) {
   const std::int64_t index = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (index >= tile_count_of(fields) || fields.outcome()->stopped || counts[index] == 0) return;
+  if (index >= tile_count_of(fields) || fields.total()->stopped || counts[index] == 0) return;
   std::int64_t tile[3];
   const std::int64_t number = find_tile(fields, index, tile);
   if (!fields.has_stopped_alone(number)) stop_for_miscount(fields.field(number).outcome);

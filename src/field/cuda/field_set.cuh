@@ -27,33 +27,33 @@ STANDOFF_DEVICE std::uint32_t used_triangle(const DeviceMesh& mesh, std::int64_t
   return mesh.kept ? mesh.kept[n] : static_cast<std::uint32_t>(n);
 }
 
-/// A field that kernels compute.
-struct Field {
-  Lattice lattice;
+/// One field: all of it lies among a kernel's parameters, in constant memory. Its lattice is a parameter of its own: in
+/// one struct with pointers, nvcc 13 reads it all at the kernel's begin, and gather_band spills a quarter more.
+struct OneField {
+  static constexpr bool kMany = false;
+  using Lattices = Lattice;
   DeviceMesh mesh;
   DeviceOutput output;
   Outcome* outcome;
-};
+  std::int64_t tiles_each[3];
 
-/// One field: all of it lies among a kernel's parameters, in constant memory.
-struct OneField {
-  static constexpr bool kMany = false;
-  Field one;
-
-  OneField(const Lattice& lattice, const Task& task) : one{lattice, task.mesh, task.output, task.outcome} {}
+  OneField(const Lattice& l, const Task& task)
+      : mesh(task.mesh), output(task.output), outcome(task.outcome), tiles_each{l.tiles[0], l.tiles[1], l.tiles[2]} {}
 
   /// Tells whether all work has stopped.
-  STANDOFF_HD Outcome* outcome() const { return one.outcome; }
-  STANDOFF_HD std::int64_t triangle_count() const { return one.mesh.used_count(); }
+  STANDOFF_HD Outcome* total() const { return outcome; }
+  STANDOFF_HD std::int64_t triangle_count() const { return mesh.used_count(); }
   /// Tiles of the stack along an axis.
-  STANDOFF_HD std::int64_t tiles(int axis) const { return one.lattice.tiles[axis]; }
+  STANDOFF_HD std::int64_t tiles(int axis) const { return tiles_each[axis]; }
 
   /// The number of the field that has triangle n.
   STANDOFF_DEVICE std::int64_t field_of(std::int64_t) const { return 0; }
-  STANDOFF_DEVICE const Field& field(std::int64_t) const { return one; }
+  /// The mesh, the output and the outcome of a field, as members of these names.
+  STANDOFF_DEVICE const OneField& field(std::int64_t) const { return *this; }
+  STANDOFF_DEVICE const Lattice& lattice(const Lattices& lattices, std::int64_t) const { return lattices; }
   /// The index of triangle n in its field's mesh.
   STANDOFF_DEVICE std::uint32_t triangle(std::int64_t, std::int64_t n) const {
-    return used_triangle(one.mesh, n);
+    return used_triangle(mesh, n);
   }
   /// Whether the field has samples to compute. Asked in the first pass, which does not change it.
   STANDOFF_DEVICE bool has_place(std::int64_t) const { return true; }
@@ -61,7 +61,7 @@ struct OneField {
   STANDOFF_DEVICE bool has_stopped_alone(std::int64_t) const { return false; }
   /// The number in the stack of a tile of a field.
   STANDOFF_DEVICE std::int64_t tile(std::int64_t, std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return one.lattice.tile(x, y, z);
+    return x + tiles_each[0] * (y + tiles_each[1] * z);
   }
   /// The number of the field that has a layer of the stack.
   STANDOFF_DEVICE std::int64_t field_of_layer(std::int64_t) const { return 0; }
@@ -69,16 +69,25 @@ struct OneField {
   STANDOFF_DEVICE std::int64_t unstack(std::int64_t*) const { return 0; }
 };
 
+/// One of many fields.
+struct PlacedField {
+  Lattice lattice;
+  DeviceMesh mesh;
+  DeviceOutput output;
+  Outcome* outcome;
+};
+
 /// Many fields of one size, in device memory.
 struct ManyFields {
   static constexpr bool kMany = true;
-  Field* all;                          // of `count`
+  struct Lattices {};                  // they lie with the fields
+  PlacedField* all;                    // of `count`
   const std::int64_t* first_triangle;  // of each field, and behind the last
-  Outcome* total;
+  Outcome* outcome;                    // the total
   std::int64_t count, triangles;
   std::int64_t tiles_each[3];
 
-  STANDOFF_HD Outcome* outcome() const { return total; }
+  STANDOFF_HD Outcome* total() const { return outcome; }
   STANDOFF_HD std::int64_t triangle_count() const { return triangles; }
   STANDOFF_HD std::int64_t tiles(int axis) const { return axis == 2 ? tiles_each[2] * count : tiles_each[axis]; }
 
@@ -92,12 +101,13 @@ struct ManyFields {
     }
     return low;
   }
-  STANDOFF_DEVICE const Field& field(std::int64_t number) const { return all[number]; }
+  STANDOFF_DEVICE const PlacedField& field(std::int64_t number) const { return all[number]; }
+  STANDOFF_DEVICE const Lattice& lattice(const Lattices&, std::int64_t number) const { return all[number].lattice; }
   STANDOFF_DEVICE std::uint32_t triangle(std::int64_t number, std::int64_t n) const {
     return static_cast<std::uint32_t>(n - first_triangle[number]);
   }
   STANDOFF_DEVICE bool has_place(std::int64_t number) const {
-    return total->stopped == 0 && all[number].lattice.scale > 0;
+    return outcome->stopped == 0 && all[number].lattice.scale > 0;
   }
   STANDOFF_DEVICE bool has_stopped_alone(std::int64_t number) const { return all[number].outcome->stopped != 0; }
   STANDOFF_DEVICE std::int64_t tile(std::int64_t number, std::int64_t x, std::int64_t y, std::int64_t z) const {

@@ -47,15 +47,14 @@ STANDOFF_DEVICE int found_at(int x, int y, int z) { return x + kFoundRow * (y + 
 /// Of many fields, the one that has the block's item: a copy of what lies far away in device memory.
 struct StagedField {
   std::int64_t number;
-  alignas(8) unsigned char bytes[sizeof(Field)];
+  alignas(8) unsigned char bytes[sizeof(PlacedField)];
 };
 struct NoStagedField {};
 
 /// The shared memory of a block.
 template <bool kNearest, class Fields>
 struct BandTile {
-  using Kind = Fields;
-  static constexpr bool kWithNearest = kNearest;
+  static constexpr bool kWithNearest = kNearest, kMany = Fields::kMany;
   std::conditional_t<Fields::kMany, StagedField, NoStagedField> staged;
   WorkItem item;
   int has_item;
@@ -89,19 +88,34 @@ STANDOFF_DEVICE std::uint32_t warp_or(std::uint32_t bits) {
 template <class Tile, class Fields>
 STANDOFF_DEVICE void stage_field(const Fields& fields, Tile& tile) {
   if constexpr (Fields::kMany) {
-    static_assert(sizeof(Field) % 4 == 0);
-    const auto* const from = reinterpret_cast<const unsigned char*>(&fields.field(tile.staged.number));
-    for (unsigned n = 4 * threadIdx.x; n < sizeof(Field); n += 4 * kBandThreads)
+    static_assert(sizeof(PlacedField) % 4 == 0);
+    const auto* const from = reinterpret_cast<const unsigned char*>(fields.all + tile.staged.number);
+    for (unsigned n = 4 * threadIdx.x; n < sizeof(PlacedField); n += 4 * kBandThreads)
       __builtin_memcpy(tile.staged.bytes + n, from + n, 4);
   }
 }
-/// The field of the block's item.
-template <class Tile, class Fields>
-STANDOFF_DEVICE const Field& staged_field(const Fields& fields, const Tile& tile) {
+/// Calls use(lattice, field) with the field of the block's item: from where it lies, or, if there are many, from shared
+/// memory once it is there.
+//
+// They are handed down, not returned: nvcc 13 copies a kernel's parameters if a function returns references to them, and
+// gather_band then spills a tenth more.
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_far_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
+                                    Use use) {
   if constexpr (Fields::kMany)
-    return *reinterpret_cast<const Field*>(tile.staged.bytes);
+    use(fields.all[tile.staged.number].lattice, fields.all[tile.staged.number]);
   else
-    return fields.one;
+    use(lattices, fields);
+}
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_staged_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
+                                       Use use) {
+  if constexpr (Fields::kMany) {
+    const auto& staged = *reinterpret_cast<const PlacedField*>(tile.staged.bytes);
+    use(staged.lattice, staged);
+  } else {
+    use(lattices, fields);
+  }
 }
 
 /// Measures from a row of samples to a staged triangle; returns the number of samples.
@@ -202,9 +216,8 @@ STANDOFF_DEVICE std::uint32_t without_lowest(std::uint32_t bits, int count) {
 /// In a short list, which is staged at once, one warp may have all long triangles. So all warps measure them, each from
 /// a quarter of the samples. In a longer list each warp has some, and none waits for another.
 template <class Steps, class Tile>
-STANDOFF_DEVICE unsigned gather_item(const Field& field, const std::uint32_t* entries, Tile& tile) {
-  const Lattice& l = field.lattice;
-  const DeviceMesh& mesh = field.mesh;
+STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const std::uint32_t* entries,
+                                     Tile& tile) {
   const int warp = static_cast<int>(threadIdx.x) / 32, lane = static_cast<int>(threadIdx.x) % 32;
   BandStage& stage = tile.stage[warp];
   const std::uint32_t count = tile.item.count, rounds = (count + kBandThreads - 1) / kBandThreads,
@@ -250,10 +263,8 @@ STANDOFF_DEVICE unsigned gather_item(const Field& field, const std::uint32_t* en
 /// Finishes the tile: clamps the best of each sample, which `at` returns, and writes it. A sparse field does not store
 /// a tile without a band sample. All threads of the block take part. Returns the number of samples in the band.
 template <bool kNearest, class Steps, class At>
-STANDOFF_DEVICE unsigned finish_band(const Field& field, const std::int64_t* tile, const int* inside, unsigned* band,
-                                     At at) {
-  const Lattice& l = field.lattice;
-  const DeviceOutput& output = field.output;
+STANDOFF_DEVICE unsigned finish_band(const Lattice& l, const std::int64_t* tile, const int* inside, unsigned* band,
+                                     const DeviceOutput& output, At at) {
   const int t = static_cast<int>(threadIdx.x);
   constexpr int kEach = kTileSamples / kBandThreads;
   const auto nothing = nothing_found<kNearest>(l);
@@ -308,14 +319,13 @@ STANDOFF_DEVICE void add_counts(Outcome* outcome, Counter measured, Counter band
 /// Blocks take items until none is left. A tile whose list was cut is finished later, by finish_cut_tiles.
 template <bool kNearest, class Steps, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
-    gather_band(Fields fields, const std::uint32_t* entries, BandWork work) {
+    gather_band(typename Fields::Lattices lattices, Fields fields, const std::uint32_t* entries, BandWork work) {
   __shared__ BandTile<kNearest, Fields> tile;
-  if (fields.outcome()->stopped) return;
+  if (fields.total()->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
   const Counter items = work.size();
   Counter mine = t == 0 ? atomicAdd(&work.counts->taken, Counter{1}) : 0;
   Counter band = 0, measured = 0;
-  std::int64_t number = 0;
   for (;;) {
     if (t == 0) {
       tile.has_item = mine < items;
@@ -328,51 +338,56 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
     }
     __syncthreads();
     if (!tile.has_item) break;
-    // Until the barrier, the field is read from where it lies; it is copied meanwhile.
-    if constexpr (Fields::kMany) number = tile.staged.number;
     if (tile.item.count == 0) {
-      if constexpr (Steps::kWrites) fill_tiles(fields.field(number), tile.item);
+      with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+        if constexpr (Steps::kWrites) fill_tiles(l, tile.item, field.output);
+      });
       __syncthreads();
       continue;
     }
     stage_field(fields, tile);
-    view_tile(fields.field(number).lattice, tile.item.tile, tile.view);
-    const auto nothing = nothing_found<kNearest>(fields.field(number).lattice);
-    for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads) tile.found[n] = nothing;
+    with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto&) {
+      view_tile(l, tile.item.tile, tile.view);
+      const auto nothing = nothing_found<kNearest>(l);
+      for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads) tile.found[n] = nothing;
+    });
     __syncthreads();
-    const Field& field = staged_field(fields, tile);
-    measured += gather_item<Steps>(field, entries, tile);
-    if (tile.item.cut != kWhole)
-      merge_part<kNearest>(field.lattice, tile,
-                           reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
-    else
-      band += finish_band<kNearest, Steps>(field, tile.item.tile, tile.view.inside, &tile.band,
-                                           [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
-    if constexpr (Fields::kMany) {
-      add_counts(field.outcome, measured, band);
-      measured = band = 0;
-    }
+    with_staged_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+      measured += gather_item<Steps>(l, field.mesh, entries, tile);
+      if (tile.item.cut != kWhole)
+        merge_part<kNearest>(
+            l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
+      else
+        band += finish_band<kNearest, Steps>(l, tile.item.tile, tile.view.inside, &tile.band, field.output,
+                                             [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+      if constexpr (Fields::kMany) {
+        add_counts(field.outcome, measured, band);
+        measured = band = 0;
+      }
+    });
     __syncthreads();
   }
-  if constexpr (!Fields::kMany) add_counts(fields.outcome(), measured, band);
+  if constexpr (!Fields::kMany) add_counts(fields.total(), measured, band);
 }
 
 /// Finishes the tiles whose lists were cut; blocks stride over them.
 template <bool kNearest, class Steps, class Fields>
-STANDOFF_KERNEL void __launch_bounds__(kBandThreads) finish_cut_tiles(Fields fields, BandWork work) {
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
+    finish_cut_tiles(typename Fields::Lattices lattices, Fields fields, BandWork work) {
   __shared__ unsigned band;
-  if (fields.outcome()->stopped) return;
+  if (fields.total()->stopped) return;
   for (Counter n = blockIdx.x; n < work.counts->cut; n += gridDim.x) {
     const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
     std::int64_t tile[3];
-    const Field& field = fields.field(find_tile(fields, work.cut_tiles[n], tile));
-    const Lattice& l = field.lattice;
+    const std::int64_t number = find_tile(fields, work.cut_tiles[n], tile);
+    const Lattice& l = fields.lattice(lattices, number);
+    const auto& field = fields.field(number);
     const int within[3] = {inside<kTileSide>(l, tile, 0), inside<kTileSide>(l, tile, 1), inside<kTileSide>(l, tile, 2)};
     if (threadIdx.x == 0) band = 0;
     __syncthreads();
-    add_counts(field.outcome, 0, finish_band<kNearest, Steps>(field, tile, within, &band, [&](int x, int y, int z) {
-                 return from[x + 8 * y + 64 * z];
-               }));
+    const unsigned in_band = finish_band<kNearest, Steps>(
+        l, tile, within, &band, field.output, [&](int x, int y, int z) { return from[x + 8 * y + 64 * z]; });
+    add_counts(field.outcome, 0, in_band);
     __syncthreads();
   }
 }

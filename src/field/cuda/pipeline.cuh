@@ -109,31 +109,35 @@ struct BandLists {
 
   /// First half: counts the triangles of each tile. Lists nothing.
   template <class Fields>
-  void count_all(const Fields& fields, const TileSums& tiles, Stream stream) const {
+  void count_all(const typename Fields::Lattices& lattices, const Fields& fields, const TileSums& tiles,
+                 Stream stream) const {
     const std::int64_t all = tile_count_of(fields), per_triangle = triangle_blocks(fields);
     fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "count small", bin_small<false, Fields>, per_triangle, kThreads, fields, lists, long_ones);
-    launch(stream, "count long", bin_long<false, Fields>, kManyBlocks, kThreads, fields, lists, long_ones);
+    launch(stream, "count small", bin_small<false, Fields>, per_triangle, kThreads, lattices, fields, lists,
+           long_ones);
+    launch(stream, "count long", bin_long<false, Fields>, kManyBlocks, kThreads, lattices, fields, lists,
+           long_ones);
     tiles.sum(lists.counts, lists.start, all + 1, stream);
-    launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, fields.outcome());
+    launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, fields.total());
   }
 
   /// Second half: writes the lists, and the fields from them. `fills`: also tiles without triangles.
   template <class Steps, bool kNearest, class Fields>
-  void fill_all(const Fields& fields, bool fills, Stream stream) const {
+  void fill_all(const typename Fields::Lattices& lattices, const Fields& fields, bool fills, Stream stream) const {
     const std::int64_t per_triangle = triangle_blocks(fields);
-    launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, fields, lists, long_ones);
-    launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, fields, lists, long_ones);
+    launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists,
+           long_ones);
+    launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields,
            lists.counts);
     fill_bytes(stream, work.counts, 0, sizeof *work.counts);
     fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
     launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
            work, fills);
-    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, fields,
-           lists.entries, work);
+    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices,
+           fields, lists.entries, work);
     launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, Steps, Fields>,
-           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, fields, work);
+           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, lattices, fields, work);
   }
 
  private:
@@ -153,7 +157,7 @@ struct ThinBand : BandLists {
   /// First half: counts the triangles of each tile, and gives tiles their slots. Lists nothing.
   void count(const Lattice& l, const Task& task, Stream stream) const {
     clear(task.outcome, stream);
-    count_all(OneField(l, task), tiles, stream);
+    count_all(l, OneField(l, task), tiles, stream);
     if (task.output.slots) tiles.give(l, task, lists.start, stream);
   }
 
@@ -162,9 +166,9 @@ struct ThinBand : BandLists {
   void fill(const Lattice& l, const Task& task, Stream stream) const {
     const OneField field(l, task);
     if (task.output.nearest)
-      fill_all<Steps, true>(field, !task.output.slots, stream);
+      fill_all<Steps, true>(l, field, !task.output.slots, stream);
     else
-      fill_all<Steps, false>(field, !task.output.slots, stream);
+      fill_all<Steps, false>(l, field, !task.output.slots, stream);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
