@@ -40,7 +40,7 @@ struct Listed {
   std::vector<std::int64_t> cut_tiles = std::vector<std::int64_t>(kTiles);
   Outcome outcome{};
   Lattice lattice = make_lattice({{317, 24, 16}, {0, 0, 0}, {1, 1, 1}}, 1);
-  OneField field{lattice, {.outcome = &outcome}};
+  OneField field{lattice, {{}, {}, 0, Method::tiles, {}, &outcome}};
   WorkCounts counts{};
   BandWork work{};
 
