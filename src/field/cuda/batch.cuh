@@ -13,26 +13,18 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-/// Whether a grid of this size may have this place, as check_task() and is_thin() ask it of a single field.
-STANDOFF_DEVICE bool is_valid(const BatchPlace& place, const Size3& size) {
-  const double origin[3] = {place.origin.x, place.origin.y, place.origin.z},
-               spacing[3] = {place.spacing.x, place.spacing.y, place.spacing.z};
-  const std::int64_t samples[3] = {size.x, size.y, size.z};
-  double least = spacing[0], largest = spacing[0];
-  bool valid = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    least = min(least, spacing[axis]), largest = max(largest, spacing[axis]);
-    valid &= spacing[axis] > 0 && is_finite(spacing[axis]) && is_finite(origin[axis]) &&
-             is_finite(origin[axis] + spacing[axis] * static_cast<double>(samples[axis] - 1));
-  }
-  return valid && is_moderate(largest) && is_even(least, largest) && place.thickness > 0 &&
-         is_thin(largest, place.thickness);
+/// Whether a field may have this place, as check_task() and is_thin() ask it of a single one. (Moderate spacings are
+/// finite, and so is the extent of their grid.)
+STANDOFF_DEVICE bool is_valid(const BatchPlace& place) {
+  const Vec3 &o = place.origin, &h = place.spacing;
+  const double least = min(min(h.x, h.y), h.z), largest = max(max(h.x, h.y), h.z);
+  return is_finite(o.x) && is_finite(o.y) && is_finite(o.z) && h.x > 0 && h.y > 0 && h.z > 0 && is_moderate(largest) &&
+         is_even(least, largest) && place.thickness > 0 && is_thin(largest, place.thickness);
 }
 
-/// Whether element n of an array that begins with 0 and ends with `all` ascends to the next one.
+/// Whether element n of an array ascends to the next one, the first one is 0 and the one at `count` is `all`.
 STANDOFF_DEVICE bool ascends(const std::int64_t* first, std::int64_t n, std::int64_t count, std::int64_t all) {
-  const std::int64_t here = first[n], next = first[n + 1];
-  return here <= next && (n > 0 ? here >= 0 : here == 0) && (n + 1 < count ? next <= all : next == all);
+  return first[n] <= first[n + 1] && (n > 0 || first[0] == 0) && (n + 1 < count || first[count] == all);
 }
 
 /// Makes the fields' records and clears their outcomes, a thread per field. A field without a valid place gets a lattice
@@ -52,7 +44,7 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
     return;
   }
   const BatchPlace place = task.places[n];
-  if (!is_valid(place, task.size)) {
+  if (!is_valid(place)) {
     outcome->needed_entries = Outcome::kNoPlace;
     stop(outcome);
     return;

@@ -143,15 +143,15 @@ cuda::BatchPlace around(const Mesh& mesh, Vec3 proportions, double thickness_in_
           thickness_in_spacings * std::max({spacing.x, spacing.y, spacing.z})};
 }
 
-// One triangle, a soup, an empty mesh, slivers and copies, long triangles, a scene, one beside its grid.
+// One triangle, an empty mesh, a soup, slivers and copies, long triangles, a scene, one beside its grid.
 MeshBatch some_meshes() {
   MeshBatch all;
   const Mesh one = testing::random_soup(201, 1, 1, 1, {50, 2, -7});
   const Mesh soup = testing::random_soup(202, 300, 4, 0.8, {1e5, -3e4, 12});
   const Mesh nasty = testing::nasty_soup(203, 50, 6), wide = testing::random_soup(204, 20, 8, 30);
   const Mesh scene = scenes::make("catapult", 700);
-  all.add({}, {{3, 4, 5}, {1, 2, 0.5}, 0.75});
   all.add(one, around(one, {1, 1, 1}, 2));
+  all.add({}, {{3, 4, 5}, {1, 2, 0.5}, 0.75});
   all.add(soup, around(soup, {0.5, 0.4, 0.6}, 4));
   all.add({}, {{}, {1, 1, 1}, 2.5});
   all.add({}, {{}, {1, 1, 1}, 1.5});
@@ -294,6 +294,7 @@ TEST(CudaBatch, NumbersThatDoNotAscendStopAll) {
   stopped([](MeshBatch& m) { m.first_triangle[5] = 1'000'000'000'000; });
   stopped([](MeshBatch& m) { m.first_vertex[5] = -1'000'000'000'000; });
   stopped([](MeshBatch& m) { m.first_triangle.front() = 1; });
+  stopped([](MeshBatch& m) { m.first_vertex.front() = -1; });
   stopped([](MeshBatch& m) { --m.first_triangle.back(); });
   stopped([](MeshBatch& m) { ++m.first_vertex.back(); });
 }
