@@ -2,8 +2,8 @@
 // Distance fields of many small meshes in device memory, all of one size, in one sequence of launches on the caller's
 // CUDA stream (docs/cuda.md). A single small field cannot fill a GPU; ten thousand together can.
 //
-// As in standoff/cuda.h, enqueue() does not allocate, does not wait for the GPU and does not read from it, so that calls
-// can be captured into a CUDA graph. No work on the host depends on the number of meshes.
+// As in standoff/cuda.h, enqueue() does not allocate, does not wait for the GPU and does not read from it, so that
+// calls can be captured into a CUDA graph. No work on the host depends on the number of meshes.
 #pragma once
 
 #include <cstdint>

@@ -54,8 +54,8 @@ STANDOFF_HD inline float brick_coordinate(const Lattice& l, int n, int axis) {
   return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
 }
 
-/// Requires the axes of a valid grid that begins at a brick of the whole grid, and a positive thickness. Host and device
-/// get the same bits: all operations are exact or correctly rounded.
+/// Requires the axes of a valid grid that begins at a brick of the whole grid, and a positive thickness. Host and
+/// device get the same bits: all operations are exact or correctly rounded.
 STANDOFF_HD inline Lattice lattice_of(const GridAxis (&axes)[3], double thickness) {
   Lattice l{};
   const double largest = max(max(axes[0].spacing, axes[1].spacing), axes[2].spacing);

@@ -29,9 +29,10 @@ void check(const Outcome& outcome, const Task& task) try {
                 {.triangle = static_cast<std::int64_t>(outcome.bad_triangle)});
   if (outcome.needed_entries == Outcome::kNoSeeds) throw_no_seeds();
   if (outcome.needed_entries == Outcome::kNoPlace)
-    throw Error(ErrorCode::usage,
-                "cuda: the mesh's place among many is not valid; give it a finite origin, positive spacings of moderate "
-                "size, and a positive thickness of at most four times the largest spacing");
+    throw Error(
+        ErrorCode::usage,
+        "cuda: the mesh's place among many is not valid; give it a finite origin, positive spacings of moderate "
+        "size, and a positive thickness of at most four times the largest spacing");
   if (outcome.needed_entries == Outcome::kNoOrder)
     throw Error(ErrorCode::usage,
                 "cuda: first_vertex or first_triangle do not ascend from 0 to the number of all; nothing was written, "

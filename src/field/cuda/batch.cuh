@@ -27,8 +27,8 @@ STANDOFF_DEVICE bool ascends(const std::int64_t* first, std::int64_t n, std::int
   return first[n] <= first[n + 1] && (n > 0 || first[0] == 0) && (n + 1 < count || first[count] == all);
 }
 
-/// Makes the fields' records and clears their outcomes, a thread per field. A field without a valid place gets a lattice
-/// of zeros, which has_place() tells.
+/// Makes the fields' records and clears their outcomes, a thread per field. A field without a valid place gets a
+/// lattice of zeros, which has_place() tells.
 STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= task.count) return;
@@ -55,7 +55,7 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
                              {place.origin.z, place.spacing.z, 0, task.size.z}},
                             place.thickness);
   made.mesh = {task.vertices + 3 * vertex, task.first_vertex[n + 1] - vertex, task.triangles + 3 * triangle,
-                     task.first_triangle[n + 1] - triangle};
+               task.first_triangle[n + 1] - triangle};
   made.output = {task.values + sample, task.nearest ? task.nearest + sample : nullptr};
 }
 
@@ -67,8 +67,8 @@ STANDOFF_KERNEL void share_counts(ManyFields fields, const Counter* start) {
   if (outcome.stopped) return;
   const bool all_stopped = fields.outcome->stopped != 0;
   outcome.stopped = all_stopped;
-  outcome.needed_entries =
-      all_stopped ? fields.outcome->needed_entries : start[fields.tile(n + 1, 0, 0, 0)] - start[fields.tile(n, 0, 0, 0)];
+  outcome.needed_entries = all_stopped ? fields.outcome->needed_entries
+                                       : start[fields.tile(n + 1, 0, 0, 0)] - start[fields.tile(n, 0, 0, 0)];
 }
 
 /// Sums the counts of the fields that did not stop. A thread per field.
@@ -91,29 +91,44 @@ struct ManyBands : BandLists {
         tiles(memory, tile_count(stacked_grid(task).size)),
         fields(memory.take<PlacedField>(task.count)) {}
 
-  void enqueue(const BatchTask& task, Stream stream) const {
-    clear(task.total, stream);
-    if (task.count == 0) return;
-    const Size3 each = DistanceField::tiles_of(task.size);
-    const ManyFields many{
-        fields, task.first_triangle, task.total, task.count, task.triangle_count, {each.x, each.y, each.z}};
-    const std::int64_t per_field = blocks_for(task.count);
-    launch(stream, "place fields", place_fields, per_field, kThreads, task, many);
+  /// First half: makes the fields' records, and counts the triangles of each tile.
+  void count(const BatchTask& task, Stream stream) const {
+    const ManyFields many = fields_of(task);
+    launch(stream, "place fields", place_fields, blocks_for(task.count), kThreads, task, many);
     count_all({}, many, tiles, stream);
-    launch(stream, "share counts", share_counts, per_field, kThreads, many, lists.start);
+    launch(stream, "share counts", share_counts, blocks_for(task.count), kThreads, many, lists.start);
+  }
+
+  /// Second half: writes the lists, and the fields from them.
+  void fill(const BatchTask& task, Stream stream) const {
+    const ManyFields many = fields_of(task);
     if (task.nearest)
       fill_all<AllSteps, true>({}, many, true, stream);
     else
       fill_all<AllSteps, false>({}, many, true, stream);
-    launch(stream, "sum counts", sum_counts, per_field, kThreads, many);
+    launch(stream, "sum counts", sum_counts, blocks_for(task.count), kThreads, many);
+  }
+
+  void enqueue(const BatchTask& task, Stream stream) const {
+    clear(task.total, stream);
+    if (task.count == 0) return;
+    count(task, stream);
+    fill(task, stream);
+  }
+
+ private:
+  ManyFields fields_of(const BatchTask& task) const {
+    const Size3 each = DistanceField::tiles_of(task.size);
+    return {fields, task.first_triangle, task.total, task.count, task.triangle_count, {each.x, each.y, each.z}};
   }
 };
 
 /// Throws Error{usage} or Error{limit} if a task of many meshes is not valid.
 inline void check_task(const BatchTask& task) {
   check_sizes(task);
-  const bool has_all = task.total && (task.count == 0 || (task.first_vertex && task.first_triangle && task.places &&
-                                                          task.values && task.outcomes));
+  const bool has_all =
+      task.total &&
+      (task.count == 0 || (task.first_vertex && task.first_triangle && task.places && task.values && task.outcomes));
   if (!has_all || (task.triangle_count > 0 && (!task.vertices || !task.triangles)))
     throw Error(ErrorCode::usage,
                 "cuda: the arrays of many meshes must point to device memory, all but nearest; one is null");

@@ -181,8 +181,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
     const auto& f = fields.field(number);
     triangle = fields.triangle(number, n);
     // The first pass looks at all triangles of a mesh, even if it has stopped: the first bad one is to be named.
-    if (kPlace ? !fields.has_stopped_alone(number)
-               : fields.has_place(number) && is_valid(f.mesh, triangle, f.outcome))
+    if (kPlace ? !fields.has_stopped_alone(number) : fields.has_place(number) && is_valid(f.mesh, triangle, f.outcome))
       r = tiles_of(fields.lattice(lattices, number), corners_of(f.mesh, triangle));
   }
   bool places = !r.empty();
@@ -212,8 +211,7 @@ STANDOFF_DEVICE void bin_share(const Lattice& l, const Fields& fields, std::int6
   const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, all = tiles_in(r);
   for (std::int64_t at = 32 * share + static_cast<int>(threadIdx.x) % 32; at < all; at += 32 * shares) {
     const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
-    if (long_triangle.reaches(l, x, y, z, reach_sq) &&
-        !use_tile<kPlace>(lists, fields.tile(number, x, y, z), triangle))
+    if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, fields.tile(number, x, y, z), triangle))
       stop_for_miscount(f.outcome);
   }
 }
@@ -242,8 +240,8 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
   }
 }
 
-/// After the second pass: stops a field if it placed fewer triangles than were counted. The beginning of such a list was
-/// never written, and may hold anything. A thread per tile.
+/// After the second pass: stops a field if it placed fewer triangles than were counted. The beginning of such a list
+/// was never written, and may hold anything. A thread per tile.
 template <class Fields>
 STANDOFF_KERNEL void check_lists(Fields fields, const std::uint32_t* counts) {
   const std::int64_t index = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;

@@ -52,9 +52,7 @@ struct OneField {
   STANDOFF_DEVICE const OneField& field(std::int64_t) const { return *this; }
   STANDOFF_DEVICE const Lattice& lattice(const Lattices& lattices, std::int64_t) const { return lattices; }
   /// The index of triangle n in its field's mesh.
-  STANDOFF_DEVICE std::uint32_t triangle(std::int64_t, std::int64_t n) const {
-    return used_triangle(mesh, n);
-  }
+  STANDOFF_DEVICE std::uint32_t triangle(std::int64_t, std::int64_t n) const { return used_triangle(mesh, n); }
   /// Whether the field has samples to compute. Asked in the first pass, which does not change it.
   STANDOFF_DEVICE bool has_place(std::int64_t) const { return true; }
   /// Whether a field has stopped while the others go on.

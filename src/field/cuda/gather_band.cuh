@@ -97,8 +97,8 @@ STANDOFF_DEVICE void stage_field(const Fields& fields, Tile& tile) {
 /// Calls use(lattice, field) with the field of the block's item: from where it lies, or, if there are many, from shared
 /// memory once it is there.
 //
-// They are handed down, not returned: nvcc 13 copies a kernel's parameters if a function returns references to them, and
-// gather_band then spills a tenth more.
+// They are handed down, not returned: nvcc 13 copies a kernel's parameters if a function returns references to them,
+// and gather_band then spills a tenth more.
 template <class Fields, class Tile, class Use>
 STANDOFF_DEVICE void with_far_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
                                     Use use) {
@@ -108,8 +108,8 @@ STANDOFF_DEVICE void with_far_field(const typename Fields::Lattices& lattices, c
     use(lattices, fields);
 }
 template <class Fields, class Tile, class Use>
-STANDOFF_DEVICE void with_staged_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
-                                       Use use) {
+STANDOFF_DEVICE void with_staged_field(const typename Fields::Lattices& lattices, const Fields& fields,
+                                       const Tile& tile, Use use) {
   if constexpr (Fields::kMany) {
     const auto& staged = *reinterpret_cast<const PlacedField*>(tile.staged.bytes);
     use(staged.lattice, staged);

@@ -44,9 +44,7 @@ struct TileArrays : TileSums {
   Counter* rank;        // their running sum
 
   TileArrays(gpu::Workspace& memory, std::int64_t tiles)
-      : TileSums(memory, tiles),
-        used(memory.take<std::uint32_t>(tiles + 1)),
-        rank(memory.take<Counter>(tiles + 1)) {}
+      : TileSums(memory, tiles), used(memory.take<std::uint32_t>(tiles + 1)), rank(memory.take<Counter>(tiles + 1)) {}
 
   /// Gives slots to the tiles marked as used.
   void give(const Lattice& l, const Task& task, Stream stream) const {
@@ -95,7 +93,8 @@ struct BandLists {
     long_ones.numbers = memory.take<std::uint32_t>(triangles);
     long_ones.capacity = triangles;
     long_ones.count = memory.take<Counter>(2);
-    work.capacity = tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
+    work.capacity =
+        tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
     work.items = memory.take<WorkItem>(work.capacity);
     work.most_cut = tiles < kMostParts ? tiles : kMostParts;
     work.cut_tiles = memory.take<std::int64_t>(work.most_cut);
@@ -113,10 +112,8 @@ struct BandLists {
                  Stream stream) const {
     const std::int64_t all = tile_count_of(fields), per_triangle = triangle_blocks(fields);
     fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "count small", bin_small<false, Fields>, per_triangle, kThreads, lattices, fields, lists,
-           long_ones);
-    launch(stream, "count long", bin_long<false, Fields>, kManyBlocks, kThreads, lattices, fields, lists,
-           long_ones);
+    launch(stream, "count small", bin_small<false, Fields>, per_triangle, kThreads, lattices, fields, lists, long_ones);
+    launch(stream, "count long", bin_long<false, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
     tiles.sum(lists.counts, lists.start, all + 1, stream);
     launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, fields.total());
   }
@@ -125,8 +122,7 @@ struct BandLists {
   template <class Steps, bool kNearest, class Fields>
   void fill_all(const typename Fields::Lattices& lattices, const Fields& fields, bool fills, Stream stream) const {
     const std::int64_t per_triangle = triangle_blocks(fields);
-    launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists,
-           long_ones);
+    launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields,
            lists.counts);
@@ -134,8 +130,8 @@ struct BandLists {
     fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
     launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
            work, fills);
-    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices,
-           fields, lists.entries, work);
+    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices, fields,
+           lists.entries, work);
     launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, Steps, Fields>,
            work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, lattices, fields, work);
   }

@@ -48,8 +48,8 @@ struct Listed {
     std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
     items.resize(static_cast<std::size_t>(kTiles + kMostParts));
     work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, kTiles, &counts};
-    launch(nullptr, "list work", list_work<OneField>, blocks_for(32 * tile_groups(field)), kThreads, field, start.data(),
-           work, fills);
+    launch(nullptr, "list work", list_work<OneField>, blocks_for(32 * tile_groups(field)), kThreads, field,
+           start.data(), work, fills);
   }
 };
 

@@ -246,11 +246,19 @@ TEST(CudaBatch, WhatIsWrongWithAMeshTouchesNoOther) {
 TEST(CudaBatch, PlacesThatAreNotValidAreTold) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<cuda::BatchPlace> bad{
-      {{0, 0, 0}, {1, 1, 1}, 0},          {{0, 0, 0}, {1, 1, 1}, -1},          {{0, 0, 0}, {1, 1, 1}, kNan},
-      {{0, 0, 0}, {1, 1, 1}, 4.001},      {{0, 0, 0}, {1, 1, 1}, testing::kInfinity},
-      {{0, 0, 0}, {1, 0, 1}, 1},          {{0, 0, 0}, {1, 1, -1}, 1},          {{0, 0, 0}, {kNan, 1, 1}, 1},
-      {{0, 0, 0}, {1, 1, 1e-19}, 1},      {{0, kNan, 0}, {1, 1, 1}, 1},        {{0, 0, testing::kInfinity}, {1, 1, 1}, 1},
-      {{0, 0, 0}, {1e31, 1e31, 1e31}, 1}, {{0, 0, 0}, {1e-34, 1e-34, 1e-34}, 1e-34},
+      {{0, 0, 0}, {1, 1, 1}, 0},
+      {{0, 0, 0}, {1, 1, 1}, -1},
+      {{0, 0, 0}, {1, 1, 1}, kNan},
+      {{0, 0, 0}, {1, 1, 1}, 4.001},
+      {{0, 0, 0}, {1, 1, 1}, testing::kInfinity},
+      {{0, 0, 0}, {1, 0, 1}, 1},
+      {{0, 0, 0}, {1, 1, -1}, 1},
+      {{0, 0, 0}, {kNan, 1, 1}, 1},
+      {{0, 0, 0}, {1, 1, 1e-19}, 1},
+      {{0, kNan, 0}, {1, 1, 1}, 1},
+      {{0, 0, testing::kInfinity}, {1, 1, 1}, 1},
+      {{0, 0, 0}, {1e31, 1e31, 1e31}, 1},
+      {{0, 0, 0}, {1e-34, 1e-34, 1e-34}, 1e-34},
   };
   MeshBatch all;
   const Mesh mesh = testing::random_soup(208, 40, 4, 1);

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "field/cuda/batch.cuh"
 #include "field/cuda/pipeline.cuh"
 #include "standoff/error.h"
+#include "tests/support/mesh_batch.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::emulated {
@@ -53,6 +55,53 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       EXPECT_NE(std::string(error.what()).find("the mesh changed while"), std::string::npos) << error.what();
     }
+  }
+}
+
+// Of many meshes, one that changes loses its field, and no other does.
+TEST(CudaLists, OneOfManyMeshesThatChangesBetweenThePassesIsNoticed) {
+  const Size3 size{32, 32, 32};
+  const cuda::BatchPlace place{{-8.25, -8.25, -8.25}, {0.5, 0.5, 0.5}, 1.0};
+  for (const auto& [longest, leaves] : {std::pair{0.5, false}, {20.0, true}, {0.5, true}}) {
+    SCOPED_TRACE(leaves);
+    const Mesh mesh = testing::random_soup(105, 30, 4, longest);
+    testing::MeshBatch all;
+    for (int n = 0; n < 3; ++n) all.add(mesh, place);
+    std::vector<Outcome> outcomes(4);
+    std::vector<float> values(static_cast<std::size_t>(3 * size.count()), -77.0f);
+    BatchTask task = all.sizes(size);
+    task.vertices = &all.vertices.data()->x;
+    task.triangles = all.triangles.data()->data();
+    task.first_vertex = all.first_vertex.data();
+    task.first_triangle = all.first_triangle.data();
+    task.places = all.places.data();
+    task.values = values.data();
+    task.outcomes = outcomes.data();
+    task.total = &outcomes[3];
+    const Memory memory(bytes_beside_entries<ManyBands>(task) + 4 * 30000);
+    gpu::Workspace workspace(memory.as<void>());
+    const ManyBands arrays(workspace, task, 30000);
+    const auto changed = all.vertices.begin() + all.first_vertex[1], end = all.vertices.begin() + all.first_vertex[2];
+    const std::vector<Vec3> before(changed, end);
+    const auto leave = [&] { std::for_each(changed, end, [](Vec3& v) { v = v + Vec3{100, 100, 100}; }); };
+    arrays.clear(task.total, nullptr);
+    if (!leaves) leave();
+    arrays.count(task, nullptr);
+    if (leaves)
+      leave();
+    else
+      std::copy(before.begin(), before.end(), changed);
+    arrays.fill(task, nullptr);
+    EXPECT_EQ(task.total->stopped, 0u);
+    EXPECT_EQ(outcomes[0].stopped, 0u);
+    EXPECT_EQ(outcomes[2].stopped, 0u);
+    EXPECT_NE(outcomes[1].stopped, 0u);
+    EXPECT_EQ(outcomes[1].needed_entries, Outcome::kNone);
+    EXPECT_THROW(cuda::check(outcomes[1], task), Error);
+    const auto first = values.begin(), second = first + size.count(), third = second + size.count();
+    EXPECT_TRUE(std::all_of(second, third, [](float v) { return v == -77.0f; }));
+    EXPECT_TRUE(std::equal(first, second, third));
+    EXPECT_TRUE(std::none_of(first, second, [](float v) { return v == -77.0f; }));
   }
 }
 
