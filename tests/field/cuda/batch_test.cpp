@@ -42,9 +42,8 @@ class Batch {
     task.first_vertex = meshes_.first_vertex.data();
     task.first_triangle = meshes_.first_triangle.data();
     task.places = meshes_.places.data();
-    outcomes.resize(meshes_.places.size());
-    std::memset(outcomes.data(), 0xcd, outcomes.size() * sizeof(Outcome));
     std::memset(&total, 0xcd, sizeof total);
+    outcomes.assign(meshes_.places.size(), total);
     task.outcomes = outcomes.data();
     task.total = &total;
     values.assign(static_cast<std::size_t>(task.count * size.count()), kRubbish);
