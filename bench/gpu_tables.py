@@ -64,6 +64,19 @@ def quoted_grids(rows, before, scenes):
     return table
 
 
+def quoted_devices(rows):
+    """The GPU beside the CPU. A size is TRIANGLES@SAMPLES/SPACINGS of a field, TRIANGLES@POINTS or POSES of queries."""
+    table = []
+    for row in rows:
+        triangles, _, asked = row["size"].rpartition("@")
+        samples, _, spacings = asked.partition("/")
+        what = f"{int(samples):,}" if not spacings else f"{samples}, " + ("full" if int(spacings) > 1000 else f"band {spacings}")
+        table.append({"work": row["work"], "scene": row["scene"], "triangles": f"{int(triangles):,}" if triangles else "-",
+                      "samples a side, points or poses": what, "CPU, ms": ms(row["cpu_ms"]), "GPU, ms": ms(row["gpu_ms"]),
+                      "ratio": f"{float(row['ratio']):.2f}x"})
+    return table
+
+
 def beside_thesis(rows):
     """A row a job of the thesis, both methods in it."""
     jobs = {}

@@ -136,6 +136,7 @@ def gpu_page(results):
     path = ROOT / "docs" / "cuda.md"
     text = between_markers(path.read_text(), "gpu goals",
                            f"{markdown(gpu_tables.quoted_goals(rows, before))}\n\n{measured(comments)}")
+    text = between_markers(text, "gpu devices", markdown(gpu_tables.quoted_devices(rows_of(results / "devices.csv"))))
     return {path: between_markers(text, "gpu grids", markdown(gpu_tables.quoted_grids(rows, before, ("catapult", "factory"))))}
 
 
