@@ -298,8 +298,7 @@ std::vector<double> parse_screw(const std::string& option, const std::string& te
   return read_or_reject(option, text, [&] {
     std::vector<double> numbers = numbers_in(text);
     if (numbers.size() == 7) numbers.push_back(0);
-    if (numbers.size() != 8)
-      throw Error(ErrorCode::usage, "give seven numbers or eight: x,y,z,ax,ay,az,degrees,along");
+    if (numbers.size() != 8) throw Error(ErrorCode::usage, "give seven numbers or eight: x,y,z,ax,ay,az,degrees,along");
     if (numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
       throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
     return numbers;

@@ -121,24 +121,27 @@ void add_sweep(CLI::App& program) {
   auto* from =
       add_pose(*verb, "--from", "where B starts: x,y,z; x,y,z,ax,ay,az,degrees; or a 3x4 matrix", motion.start);
   auto* to = add_pose(*verb, "--to", "where B ends; it turns by the shorter rotation", motion.end);
-  auto* screw = add_parsed(*verb,
-                           {"--screw", "X,Y,Z,AX,AY,AZ,DEGREES,D",
-                            "instead of --to: B turns about the axis AX,AY,AZ through the\npoint X,Y,Z of the world, any "
-                            "number of turns, and moves by\nD along it (default 0)",
-                            "Place"},
-                           [command = command.get()](S o, S t) { command->screw = parse_screw(o, t); });
-  auto* path = add_parsed(*verb,
-                          {"--path", "FILE",
-                           "the poses that B goes through, two or more: a file with a pose on\neach line, - for standard "
-                           "input",
-                           "Place"},
-                          [command = command.get()](S o, S t) {
-                            if (t.empty())
-                              throw Error(ErrorCode::usage, o + " '': give the name of a file, or - for standard input");
-                            command->path = t;
-                          });
-  auto* center = add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that moves on a straight line (default 0,0,0)", "Place"},
-             [&motion](S o, S t) { motion.center = parse_point(o, t); });
+  auto* screw =
+      add_parsed(*verb,
+                 {"--screw", "X,Y,Z,AX,AY,AZ,DEGREES,D",
+                  "instead of --to: B turns about the axis AX,AY,AZ through the\npoint X,Y,Z of the world, any "
+                  "number of turns, and moves by\nD along it (default 0)",
+                  "Place"},
+                 [command = command.get()](S o, S t) { command->screw = parse_screw(o, t); });
+  auto* path =
+      add_parsed(*verb,
+                 {"--path", "FILE",
+                  "the poses that B goes through, two or more: a file with a pose on\neach line, - for standard "
+                  "input",
+                  "Place"},
+                 [command = command.get()](S o, S t) {
+                   if (t.empty())
+                     throw Error(ErrorCode::usage, o + " '': give the name of a file, or - for standard input");
+                   command->path = t;
+                 });
+  auto* center =
+      add_parsed(*verb, {"--center", "X,Y,Z", "the point of B that moves on a straight line (default 0,0,0)", "Place"},
+                 [&motion](S o, S t) { motion.center = parse_point(o, t); });
   add_parsed(*verb, {"--tolerance", "D", "as near as this is a hit (default: 3e-5 of the smaller body)", "Question"},
              [command = command.get()](S o, S t) { command->options.tolerance = parse_positive(o, t, kMaxMargin); });
   add_parsed(*verb,

@@ -6,6 +6,7 @@
 // `apply(pose, corner)`, rounded to double.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -242,6 +243,26 @@ struct PathSweepResult {
 /// does not begin where the one before ends.
 STANDOFF_API PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const Body& b,
                                         std::span<const RigidMotion> path, const SweepOptions& options = {});
+
+/// A motion along a curve during time 0 to 1: the body's point `center` follows a cubic Bezier curve, and the body
+/// turns about an axis through it with constant angular velocity.
+struct SplineMotion {
+  Pose start;
+  Vec3 center;                       ///< a point of the body, in body coordinates
+  std::array<Vec3, 3> control = {};  ///< the curve's other control points, in the world; `start` places the first
+  Vec3 axis = {};                    ///< in the world, of any length; zero: the body does not turn
+  double angle_rad = 0;              ///< right-handed about the axis; -kMaxTurnRad to kMaxTurnRad
+};
+
+/// The pose at time t in [0, 1]. Errors: usage (a start that is not rigid, an angle without an axis or beyond
+/// kMaxTurnRad, coordinates that are not finite or beyond kMaxPosition, a time outside [0, 1]).
+STANDOFF_API Pose spline_pose_at(const SplineMotion& motion, double t);
+
+/// sweep() along a curve. The curve is swept in pieces, as chords, with a bound of its distance from them: no contact
+/// is missed. If the bodies start within the tolerance, it is a hit at time 0. `max_steps` counts the steps of all
+/// pieces. Errors: as sweep and spline_pose_at.
+STANDOFF_API SweepResult sweep_spline(const Body& a, const Pose& pose_a, const Body& b, const SplineMotion& motion,
+                                      const SweepOptions& options = {});
 
 /// How the queries of a batch were decided.
 struct BatchReport {

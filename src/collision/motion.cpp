@@ -28,7 +28,7 @@ std::array<double, 9> times_transposed(const std::array<double, 9>& outer, const
   return product;
 }
 
-AxisAngle axis_angle_of(const std::array<double, 9>& r) {
+AxisAngle shorter_rotation(const std::array<double, 9>& r) {
   const Vec3 skew = Vec3{r[7] - r[5], r[2] - r[6], r[3] - r[1]} * 0.5;  // sin(angle) axis
   const double sine = length(skew), cosine = (r[0] + r[4] + r[8] - 1) / 2;
   AxisAngle rotation;
@@ -51,13 +51,16 @@ AxisAngle axis_angle_of(const std::array<double, 9>& r) {
   return rotation;
 }
 
-// The axis and angle of a motion that gives them, with an angle that is not negative.
+}  // namespace
+
 AxisAngle axis_angle_of(Vec3 axis, double angle_rad) {
   // Scale by a power of two, so that squares of the smallest and largest numbers are within range.
   const int exponent = -std::ilogb(max_norm(axis));
   axis = {std::scalbn(axis.x, exponent), std::scalbn(axis.y, exponent), std::scalbn(axis.z, exponent)};
   return {axis * (std::copysign(1.0, angle_rad) / length(axis)), std::abs(angle_rad)};
 }
+
+namespace {
 
 // A column of a matrix.
 Vec3 column_of(const std::array<double, 9>& matrix, std::size_t column) {
@@ -70,6 +73,8 @@ Vec3 rotated(Vec3 v, Vec3 axis, double angle_rad) {
   return vec_of(collision::rotated(triple_of(v), triple_of(axis), std::cos(angle_rad), std::sin(angle_rad)));
 }
 
+}  // namespace
+
 std::array<double, 9> turned(const std::array<double, 9>& matrix, Vec3 axis, double angle_rad) {
   std::array<double, 9> product{};
   for (std::size_t column = 0; column < 3; ++column) {
@@ -78,6 +83,8 @@ std::array<double, 9> turned(const std::array<double, 9>& matrix, Vec3 axis, dou
   }
   return product;
 }
+
+namespace {
 
 // Whether the motion gives its axis and angle; otherwise its poses do.
 bool has_axis(const RigidMotion& motion) { return motion.axis != Vec3{}; }
@@ -96,7 +103,7 @@ AxisAngleMotion::AxisAngleMotion(const RigidMotion& m) : poses(m) {
     // Without a rotation all points move on straight lines, and a centre far away would only bring its rounding.
     poses.center = {};
   else
-    rotation = axis_angle_of(times_transposed(m.end.rotation, m.start.rotation));
+    rotation = shorter_rotation(times_transposed(m.end.rotation, m.start.rotation));
   center = apply(m.start, poses.center);
   velocity = apply(m.end, poses.center) - center;
 }
@@ -143,8 +150,7 @@ double turning_rounding(const QueryPair& pair, const AxisAngleMotion& path) {
 // The rounding of time moves a body on a very long motion: four such errors add up.
 double time_rounding(const QueryPair& pair, const AxisAngleMotion& path) {
   const double turning = path.rotation.angle_rad * length(path.poses.center);
-  return 4 * kTimeRounding * (length(path.velocity) + length(path.center) + turning) +
-         4 * turning_rounding(pair, path);
+  return 4 * kTimeRounding * (length(path.velocity) + length(path.center) + turning) + 4 * turning_rounding(pair, path);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When do two bodies first touch? One sweep on the CPU, sweeps along a path, many on a device; then the public functions,
-// and what they check. The search itself is in sweep_search.cpp, and what it knows of motions in motion.cpp.
+// When do two bodies first touch? One sweep on the CPU, sweeps along a path, many on a device; then the public
+// functions, and what they check. The search itself is in sweep_search.cpp, and what it knows of motions in motion.cpp.
 #include "collision/sweep.h"
 
 #include <algorithm>
@@ -20,7 +20,8 @@ double tolerance_kept(const QueryPair& pair, const AxisAngleMotion& path, double
   return std::max(asked, 2 * pose_rounding(pair, path));
 }
 
-// sweep() without its checks, on the CPU. The tolerance is positive.
+}  // namespace
+
 SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                           double asked_tolerance, StepLimit& steps, const Kernels& kernels) {
   const AxisAngleMotion path(motion);
@@ -36,8 +37,12 @@ SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, cons
   const TrianglesOfBoth triangles = end.triangles_of(found->of_target, found->of_probe);
   return {true, 1, triangles.a, triangles.b, where.point, where.normal};
 }
-SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
-                          const SweepOptions& options, const Kernels& kernels) {
+
+namespace {
+
+// The sweep of a motion that has all the steps.
+SweepResult sweep_alone(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                        const SweepOptions& options, const Kernels& kernels) {
   StepLimit steps{options.max_steps};
   return sweep_exactly(a, pose_a, b, motion, options.tolerance, steps, kernels);
 }
@@ -45,7 +50,8 @@ SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, cons
 // How far a point of the body moves from one pose to another, at most.
 double jump_between(const Pose& from, const Pose& to, const BodyData& body) {
   double off_sq = 0;
-  for (std::size_t n = 0; n < 9; ++n) off_sq += (to.rotation[n] - from.rotation[n]) * (to.rotation[n] - from.rotation[n]);
+  for (std::size_t n = 0; n < 9; ++n)
+    off_sq += (to.rotation[n] - from.rotation[n]) * (to.rotation[n] - from.rotation[n]);
   return length(apply(to, body.middle) - apply(from, body.middle)) + std::sqrt(off_sq) * body.radius;
 }
 
@@ -108,7 +114,7 @@ std::vector<SweepResult> sweep_on_device(const DeviceRow& row, const Body& a, co
                .device = execution.device,
                .stack = stack});
     const auto found = for_each<SweepResult>(piece.size(), execution.threads, [&](std::size_t n) {
-      return is_free(prepared[n], answers[n]) ? SweepResult{} : sweep_exactly(a, pose_a, b, piece[n], options, kernels);
+      return is_free(prepared[n], answers[n]) ? SweepResult{} : sweep_alone(a, pose_a, b, piece[n], options, kernels);
     });
     results.insert(results.end(), found.begin(), found.end());
     for (std::size_t n = 0; n < answers.size(); ++n) {
@@ -131,10 +137,18 @@ void check(const SweepOptions& options) {
     throw Error(ErrorCode::usage, "sweep: max_steps must not be negative; give 0 for no limit");
 }
 
+}  // namespace
+
+double checked_tolerance(const Body& a, const Body& b, const SweepOptions& options) {
+  check(options);
+  return options.tolerance == 0 ? automatic_tolerance(a, b) : options.tolerance;
+}
+
+namespace {
+
 // Checks what was asked, and sets the tolerance where it is automatic.
 SweepOptions checked(const Body& a, const Body& b, std::span<const RigidMotion> motions, SweepOptions options) {
-  check(options);
-  if (options.tolerance == 0) options.tolerance = automatic_tolerance(a, b);
+  options.tolerance = checked_tolerance(a, b, options);
   for (const RigidMotion& motion : motions) {
     validate("sweep", motion);
     check_length(a, b, motion, options.tolerance);
@@ -156,7 +170,7 @@ SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidM
                   const SweepOptions& options) try {
   const SweepOptions asked = collision::checked(a, b, {&motion, 1}, options);
   validate(pose_a);
-  return collision::sweep_exactly(a, pose_a, b, motion, asked, collision::best_kernels());
+  return collision::sweep_alone(a, pose_a, b, motion, asked, collision::best_kernels());
 } catch (...) {
   throw_as_error("sweep");
 }
@@ -171,8 +185,7 @@ PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const Body& b, std
   collision::StepLimit steps{asked.max_steps};
   PathSweepResult found;
   for (const RigidMotion& motion : path) {
-    found.sweep =
-        collision::sweep_exactly(a, pose_a, b, motion, asked.tolerance, steps, collision::best_kernels());
+    found.sweep = collision::sweep_exactly(a, pose_a, b, motion, asked.tolerance, steps, collision::best_kernels());
     if (found.sweep.hit || !found.sweep.finished) return found;
     ++found.motion;
   }
@@ -193,7 +206,7 @@ BatchResult<SweepResult> sweep_all(const Body& a, const Pose& pose_a, const Body
   BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
   auto results = row ? collision::sweep_on_device(*row, a, pose_a, b, motions, asked, execution, report)
                      : collision::for_each<SweepResult>(motions.size(), execution.threads, [&](std::size_t n) {
-                         return collision::sweep_exactly(a, pose_a, b, motions[n], asked, kernels);
+                         return collision::sweep_alone(a, pose_a, b, motions[n], asked, kernels);
                        });
   return {std::move(results), std::move(report)};
 } catch (...) {

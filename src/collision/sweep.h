@@ -3,6 +3,7 @@
 // search for the first contact, and batches of motions on a device.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -61,6 +62,19 @@ struct StepLimit {
 /// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends unfinished where
 /// the steps are taken.
 SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps);
+
+/// sweep() without its checks, on the CPU. The tolerance is positive.
+SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                          double asked_tolerance, StepLimit& steps, const Kernels& kernels);
+
+/// Checks the options of a sweep, and returns the tolerance, which is positive.
+double checked_tolerance(const Body& a, const Body& b, const SweepOptions& options);
+
+/// The rotation `matrix`, then one by `angle_rad` about a unit axis.
+std::array<double, 9> turned(const std::array<double, 9>& matrix, Vec3 axis, double angle_rad);
+
+/// Axis and angle, with an angle that is not negative. The axis may have any length but zero.
+AxisAngle axis_angle_of(Vec3 axis, double angle_rad);
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
 /// `report` counts them. Requires motions and options that sweep_all() has checked, with a positive tolerance.

@@ -85,7 +85,7 @@ TEST_F(CollisionVerbs, SweepsAlongScrewsAndPaths) {
   EXPECT_EQ(done(words(boxes + "--from 9,0,5 --screw 9,0,0,0,0,1,1080")).out, "free during the whole motion\n");
   const Json hit = done(words(boxes + "--from 0,0,-20 --screw 0,0,0,0,0,2,1080,30 --json")).json();
   EXPECT_EQ(hit["hit"], true);
-  EXPECT_NEAR(hit["time"].get<double>(), 18.0 / 30, 1e-5);
+  EXPECT_NEAR(hit["time"].get<double>(), 19.0 / 30, 1e-5);
   EXPECT_FALSE(hit.contains("motion"));
   write_file(file("way.csv"), "9,0,5\n9,0,0\n-9,0,0\n");
   const Json on_path = done(words(boxes + "--path way.csv --json")).json(),

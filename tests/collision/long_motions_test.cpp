@@ -60,7 +60,8 @@ TEST(LongMotions, MissNoContact) {
   };
   constexpr double kTolerance = 1e-3;
   Random random(41);
-  for (const Pair& pair : {Pair{ball, small}, Pair{soup, small}, Pair{small, soup}, Pair{ball, tiny}, Pair{tiny, ball}}) {
+  for (const Pair& pair :
+       {Pair{ball, small}, Pair{soup, small}, Pair{small, soup}, Pair{ball, tiny}, Pair{tiny, ball}}) {
     int hits = 0, frees = 0;
     for (int n = 0; n < 50; ++n) {
       SCOPED_TRACE("case " + std::to_string(n));
@@ -88,8 +89,8 @@ TEST(LongMotions, ARodMeetsAPostInTheFourthTurn) {
     const Body post(one_triangle({0.9 * c, 0.9 * s, 1.1}, {0.9 * c, 0.9 * s, 2}, {0.95 * c, 0.95 * s, 1.5}));
     const RigidMotion rod_moves = screw_motion({}, {0, 0, 7}, kUp * 3, turn, kRise * kTurns),
                       post_moves = screw_motion({}, {}, kUp * -0.1, turn, kRise * kTurns);
-    for (const SweepResult& swept : {sweep(post, {}, rod, rod_moves, {kTolerance}),
-                                     sweep(rod, {}, post, post_moves, {kTolerance})}) {
+    for (const SweepResult& swept :
+         {sweep(post, {}, rod, rod_moves, {kTolerance}), sweep(rod, {}, post, post_moves, {kTolerance})}) {
       ASSERT_TRUE(swept.hit);
       EXPECT_LE(swept.time, kExpected + 1e-12);
       EXPECT_GE(swept.time, kExpected - 2 * kTolerance / (0.9 * kTwoPi * kTurns));
@@ -225,7 +226,8 @@ TEST(Paths, ManyMotionsMissNoContact) {
     for (int k = 0; k < 3; ++k) {
       RigidMotion next;
       if (k == 1) {
-        next = screw_motion(at, at.translation + random.in_cube(2), random.in_cube(1) + Vec3{1e-3, 0, 0}, random.between(-9, 9), 0.3);
+        next = screw_motion(at, at.translation + random.in_cube(2), random.in_cube(1) + Vec3{1e-3, 0, 0},
+                            random.between(-9, 9), 0.3);
       } else {
         next = {at, random_pose(random, 3.5), random.in_cube(0.3)};
       }
@@ -312,7 +314,9 @@ TEST(Paths, AMotionBeginsWhereTheLastOneEnds) {
     path[3].start = path[3].end = path[2].end;
     return path;
   };
-  const auto swept = [&](const std::vector<RigidMotion>& path) { return sweep_path(body, {}, body, path, {kTolerance}); };
+  const auto swept = [&](const std::vector<RigidMotion>& path) {
+    return sweep_path(body, {}, body, path, {kTolerance});
+  };
   for (const auto& [jump, turn] : {std::pair{0.0, 0.0}, std::pair{2e-4, 0.0}, std::pair{0.0, 1e-5}})
     EXPECT_FALSE(swept(path_with(jump, turn)).sweep.hit);
   for (const auto& [jump, turn] : {std::pair{3e-4, 0.0}, std::pair{0.0, 1e-3}, std::pair{2.0, 2.0}}) try {
