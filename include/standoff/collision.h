@@ -247,8 +247,8 @@ STANDOFF_API PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const
 /// A motion along a curve during time 0 to 1: the body's point `center` follows a cubic Bezier curve, and the body
 /// turns about an axis through it with constant angular velocity.
 struct SplineMotion {
-  Pose start;
-  Vec3 center;                       ///< a point of the body, in body coordinates
+  Pose start = {};
+  Vec3 center = {};                  ///< a point of the body, in body coordinates
   std::array<Vec3, 3> control = {};  ///< the curve's other control points, in the world; `start` places the first
   Vec3 axis = {};                    ///< in the world, of any length; zero: the body does not turn
   double angle_rad = 0;              ///< right-handed about the axis; -kMaxTurnRad to kMaxTurnRad

@@ -342,8 +342,8 @@ def sweep(
 ) -> Sweeps:
     """When the moving body b first touches the resting body a. No hit is missed, at any speed.
 
-    b turns by the shorter rotation, at most 180 degrees. `sweep_screw` turns it further, and `sweep_path` moves it through
-    many poses.
+    b turns by the shorter rotation, at most 180 degrees. `sweep_screw` turns it further, and `sweep_path` moves it
+    through many poses.
 
     Args:
         a, b, pose_a: as for `collide`.

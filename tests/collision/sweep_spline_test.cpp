@@ -132,7 +132,8 @@ TEST(SweepSpline, WhereItStartsAndWhereItEndsEarly) {
   EXPECT_TRUE(sweep_spline(ball, {}, small, motion, {0.5}).hit);
   EXPECT_FALSE(sweep_spline(ball, {}, small, motion, {1e-3}).hit);
   // It turns just beside the ball.
-  motion = {.start = moved({3, 0, 0}), .control = {Vec3{-1, 3, 0}, Vec3{-1, -3, 0}, Vec3{3, 0.5, 0}}, .axis = {0, 0, 1}};
+  motion = {
+      .start = moved({3, 0, 0}), .control = {Vec3{-1, 3, 0}, Vec3{-1, -3, 0}, Vec3{3, 0.5, 0}}, .axis = {0, 0, 1}};
   motion.angle_rad = 5;
   const SweepResult whole = sweep_spline(ball, {}, small, motion);
   ASSERT_TRUE(whole.hit);
