@@ -12,6 +12,7 @@ from harness import BENCH
 FACTORY = ((414, 406, 413), (414, 406, 413))
 CATAPULT = ((412, 404, 416), (412, 404, 416))
 CUBE = ((512, 512, 512), (512, 512, 512))
+SMALL = ((64, 64, 64), (64, 64, 64))  # of each of many meshes
 # The thesis's counts of examined samples, on unit grids and on grids finer than the unit, fit triangle boxes grown by so
 # many units and so many samples on all sides: one unit on a unit grid.
 GROWTH_UNITS, GROWTH_SAMPLES = 0.58, 0.42
@@ -44,8 +45,9 @@ class Job(NamedTuple):
 
 
 def small(job):
-    """The same with few triangles and samples, for the emulated GPU."""
-    return job._replace(triangles=200, size=(9, 9, 9), extent=(9, 9, 9), scale=0)
+    """The same with few triangles, samples and meshes, for the emulated GPU."""
+    output = f"{job.output.rpartition('_')[0]}_9" if job.scene == "many" else job.output
+    return job._replace(triangles=200, output=output, size=(9, 9, 9), extent=(9, 9, 9), scale=0)
 
 
 def goal(scene, method, output, grid, thickness, at_most="-", triangles=0):
@@ -62,12 +64,14 @@ def peer_jobs():
 def goal_jobs():
     """Those of which we want something: measured before all else."""
     return [*peer_jobs(), goal("factory", "tiles", "sparse", FACTORY, 2, "0.9"),
-            goal("machine_2", "tiles", "dense", CUBE, float("inf"), "25", 1000000)]
+            goal("machine_2", "tiles", "dense", CUBE, float("inf"), "25", 1000000),
+            goal("many", "tiles", "batch_10000", SMALL, 2, "10", 5000)]
 
 
 def own_jobs():
     """What else we want to know, and where the time goes (Table 5.4)."""
     jobs = [goal("factory", "tiles", output, FACTORY, 2) for output in ("graph", "compute", "host", "upload", "download")]
+    jobs += [goal("many", "tiles", output, SMALL, 2, triangles=5000) for output in ("batch_1000", "singles_1000")]
     jobs += [goal("catapult", "tiles", "sparse", CATAPULT, 2), goal("factory", "thesis", "dense", FACTORY, 2),
              goal("catapult", "thesis", "dense", CATAPULT, 2), goal("factory", "tiles", "dense", FACTORY, 8)]
     bender = ((150, 150, 50), (150, 150, 50))

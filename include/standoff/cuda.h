@@ -50,12 +50,14 @@ struct DeviceOutput {
 
 /// The result of a task. The GPU writes it to device memory; copy it to the host and call check().
 struct Outcome {
-  static constexpr unsigned long long kNone = ~0ull, kNoSeeds = ~1ull;
+  static constexpr unsigned long long kNone = ~0ull, kNoSeeds = ~1ull, kNoPlace = ~2ull, kNoOrder = ~3ull;
   unsigned long long stopped;       ///< not 0: the task failed, and the output was not written
   unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
   unsigned long long needed_entries;    ///< triangle list entries needed; a lower bound if too few were given. kNone if
                                         ///< the mesh changed during the work; kNoSeeds if the method begins at samples
-                                        ///< near the surface, and there are none
+                                        ///< near the surface, and there are none. Of many meshes (cuda_batch.h):
+                                        ///< kNoPlace if the mesh's place is not valid, kNoOrder if first_vertex or
+                                        ///< first_triangle do not ascend
   unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
   unsigned long long samples_examined;  ///< as in ComputeReport
   unsigned long long samples_band;

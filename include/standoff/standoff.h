@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // All of the public API but what tests need (standoff/testing) and CUDA's own types (standoff/cuda.h,
-// standoff/cuda_compute.h). Single headers compile faster.
+// standoff/cuda_batch.h, standoff/cuda_compute.h). Single headers compile faster.
 #pragma once
 
 #include "standoff/axis.h"

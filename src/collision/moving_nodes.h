@@ -3,6 +3,7 @@
 // (docs/sweep.md). It is all in double precision, so that gaps far smaller than the bodies are seen.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <limits>
 
 #include "collision/node_pairs.h"
+#include "collision/orbits.h"
 #include "collision/query_pair.h"
 #include "collision/sweep.h"
 
@@ -40,6 +42,12 @@ class MovingNodePairs {
     velocity_.linear = rotate_back(frame_, path.velocity);
     velocity_.rotation = rotate_back(frame_, path.rotation.axis * path.rotation.angle_rad);
     velocity_.rate = std::max(length(velocity_.rotation), std::numeric_limits<double>::min());
+    const double rate = path.rotation.angle_rad;
+    axis_ = rotate_back(frame_, path.rotation.axis);
+    along_ = dot(velocity_.linear, axis_);
+    aside_ = length(velocity_.linear - axis_ * along_);
+    // Else the axis goes so far aside that orbits say nothing.
+    turns_ = aside_ < rate * moving_.body->radius / 4;
   }
 
   /// Advances the time as far as the two boxes allow. Returns whether it was far enough for another step to pay.
@@ -85,6 +93,27 @@ class MovingNodePairs {
     return count;
   }
 
+  /// The number of leaves of both bodies.
+  std::int64_t leaves() const {
+    return static_cast<std::int64_t>(resting_.body->bvh.tree.level(0).size() + moving_.body->bvh.tree.level(0).size());
+  }
+
+  /// Finds what the rotation keeps of all nodes, if that may tell anything: work for a long search.
+  void find_orbits() {
+    if (!turns_) return;
+    place(0);
+    orbits_ = {velocity_.center,      axis_, aside_, length(velocity_.linear), std::min(along_, 0.0),
+               std::max(along_, 0.0), keep_};
+    orbits_of_resting_ = OrbitTree(orbits_, *resting_.body, Pose{});
+    orbits_of_moving_ = OrbitTree(orbits_, *moving_.body, to_resting_);
+    start_ = to_resting_;
+  }
+  /// Whether that shows that two nodes stay apart during the whole motion.
+  bool stay_apart(const MovingNodes& nodes) const {
+    return !orbits_of_resting_.empty() && orbits_.keep_apart(orbits_of_resting_.at(nodes.resting_level, nodes.resting),
+                                                             orbits_of_moving_.at(nodes.moving_level, nodes.moving));
+  }
+
   /// Takes the triangles of two leaves, for approaching().
   void take(const MovingNodes& leaves) {
     const Boxes boxes = boxes_of(leaves);
@@ -93,6 +122,12 @@ class MovingNodePairs {
     const DoubleObb resting = in_double(boxes.resting), moving = placed(boxes.moving);
     for (int k = 0; k < 3; ++k) axes_[k] = resting.axis[k], axes_[3 + k] = moving.axis[k];
     axes_[6] = axes_about(moving.center - resting.center)[0];
+    find_pairs(leaves);
+  }
+
+  /// Whether any of them may meet at all.
+  bool may_meet() const {
+    return std::ranges::any_of(may_meet_, [](std::uint32_t lanes) { return lanes != 0; });
   }
 
   /// For each resting triangle of a leaf bits of the moving ones.
@@ -101,12 +136,10 @@ class MovingNodePairs {
   int approaching(double duration, LeafPairs& pairs) const {
     kernels_.approaching_triangles(resting_triangles_, moving_triangles_, transform_of(to_resting_), velocity_, axes_,
                                    keep_, duration, pairs.data());
-    const std::uint32_t filled = (1u << moving_count_) - 1;
     int count = 0;
-    for (int n = 0; n < kLanes; ++n) {
-      std::uint32_t& lanes = pairs[static_cast<std::size_t>(n)];
-      lanes = n < resting_count_ ? lanes & filled : 0;
-      count += std::popcount(lanes);
+    for (std::size_t n = 0; n < kLanes; ++n) {
+      pairs[n] &= may_meet_[n];
+      count += std::popcount(pairs[n]);
     }
     return count;
   }
@@ -115,6 +148,23 @@ class MovingNodePairs {
   struct Boxes {
     Obb resting, moving;
   };
+
+  // Which of the triangles taken may meet, by their orbits.
+  void find_pairs(const MovingNodes& leaves) {
+    const std::uint32_t filled = (1u << moving_count_) - 1;
+    for (std::size_t n = 0; n < kLanes; ++n) may_meet_[n] = static_cast<int>(n) < resting_count_ ? filled : 0;
+    if (orbits_of_resting_.empty()) return;
+    std::array<OrbitBounds, kLanes> of_moving;
+    for (std::size_t m = 0; m < static_cast<std::size_t>(moving_count_); ++m)
+      of_moving[m] = orbits_.bounds(OrbitTree::placed(*moving_.body, leaves.moving * std::size_t{kLanes} + m, start_));
+    for (std::size_t n = 0; n < static_cast<std::size_t>(resting_count_); ++n) {
+      const OrbitBounds of_resting =
+          orbits_.bounds(OrbitTree::placed(*resting_.body, leaves.resting * std::size_t{kLanes} + n, Pose{}));
+      for (std::size_t m = 0; m < static_cast<std::size_t>(moving_count_); ++m)
+        if (orbits_.keep_apart(of_resting, of_moving[m])) may_meet_[n] &= ~(1u << m);
+    }
+  }
+
   // Places the moving body at the pair's time, and returns the boxes, each in the frame of its own body.
   Boxes boxes_of(const MovingNodes& nodes) {
     place(nodes.time);
@@ -191,9 +241,16 @@ class MovingNodePairs {
   double placed_at_ = -1;
   Pose to_resting_;         // from the moving body's frame, at that time
   RigidVelocity velocity_;  // at that time, in the resting body's frame
+  Vec3 axis_;               // of the rotation, in that frame
+  double along_, aside_;    // the linear velocity along the axis, and across it
+  bool turns_;              // whether orbits may tell anything
+  Orbits orbits_;
+  OrbitTree orbits_of_resting_, orbits_of_moving_;
+  Pose start_;  // from the moving body's frame at time 0
   // The triangles that were taken, and axes that may separate them.
   DoubleTriangles resting_triangles_, moving_triangles_;
   int resting_count_ = 0, moving_count_ = 0;
+  LeafPairs may_meet_;
   Vec3 axes_[kLeafAxes];
 };
 

@@ -133,7 +133,8 @@ class SweepSearch {
         motion_(relative_motion(pair, path)),
         keep_(distance_kept(pair, path, tolerance)),
         enough_(static_cast<float>(pair.target.body->field.spacing)),
-        steps_(steps) {}
+        steps_(steps),
+        before_(steps.taken) {}
 
   SweepResult run() {
     waiting_->clear();
@@ -141,13 +142,16 @@ class SweepSearch {
     while (!waiting_->empty()) {
       const MovingNodes next = pop();
       if (done(next.time)) break;
-      if (steps_.most != 0 && ++steps_.taken > steps_.most) {
+      if (++steps_.taken > steps_.most && steps_.most != 0) {
         // All others that wait are apart until later.
         SweepResult unfinished;
         unfinished.time = next.time;
         unfinished.finished = false;
         return unfinished;
       }
+      if (steps_.taken - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_)
+        nodes_.find_orbits(), knows_orbits_ = true;
+      if (nodes_.stay_apart(next)) continue;
       if (field_pays_ && has_whole_target(next))
         advance_by_field(next);
       else
@@ -194,6 +198,7 @@ class SweepSearch {
   void follow(MovingNodes leaves) {
     const double from = leaves.time, all = nodes_.time_of_size(leaves);
     nodes_.take(leaves);
+    if (!nodes_.may_meet()) return;
     MovingNodePairs::LeafPairs pairs;
     double until = 0;
     for (bool shorter = true; shorter;) {
@@ -282,6 +287,8 @@ class SweepSearch {
   const float enough_;           // steps this long are taken without sampling the fine field
   SweepResult result_;           // the first contact so far
   StepLimit& steps_;             // pairs of nodes and of triangles
+  const std::int64_t before_;    // the steps of the motions before
+  bool knows_orbits_ = false;
   const KeptByThread<std::vector<MovingNodes>> waiting_;
 };
 

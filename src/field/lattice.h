@@ -50,16 +50,18 @@ struct Lattice {
 };
 
 /// The coordinate of sample n of a brick, relative to its centre. Grid units.
-inline float brick_coordinate(const Lattice& l, int n, int axis) {
+STANDOFF_HD inline float brick_coordinate(const Lattice& l, int n, int axis) {
   return static_cast<float>((n - (kBrickSide - 1) / 2.0) * l.unit[axis]);
 }
 
-/// Requires a valid grid that begins at a brick of the whole grid, and a positive thickness.
-inline Lattice make_lattice(const Grid& grid, double thickness) {
+/// Requires the axes of a valid grid that begins at a brick of the whole grid, and a positive thickness. Host and device
+/// get the same bits: all operations are exact or correctly rounded.
+STANDOFF_HD inline Lattice lattice_of(const GridAxis (&axes)[3], double thickness) {
   Lattice l{};
-  l.scale = std::ldexp(1.0, -std::ilogb(grid.max_spacing()));
+  const double largest = max(max(axes[0].spacing, axes[1].spacing), axes[2].spacing);
+  l.scale = std::ldexp(1.0, -std::ilogb(largest));
   for (int axis = 0; axis < 3; ++axis) {
-    const GridAxis along = axis_of(grid, static_cast<std::size_t>(axis));
+    const GridAxis& along = axes[axis];
     l.origin[axis] = along.origin;
     l.first[axis] = static_cast<double>(along.first);
     l.spacing[axis] = along.spacing;
@@ -76,6 +78,9 @@ inline Lattice make_lattice(const Grid& grid, double thickness) {
   l.thickness_world = static_cast<float>(thickness);
   l.unscale = static_cast<float>(1 / l.scale);
   return l;
+}
+inline Lattice make_lattice(const Grid& grid, double thickness) {
+  return lattice_of({axis_of(grid, 0), axis_of(grid, 1), axis_of(grid, 2)}, thickness);
 }
 
 /// Whether bricks of the whole grid begin where the grid begins: they may be cut at its end alone.

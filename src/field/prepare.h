@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "field/plan.h"
+#include "geometry/host_device.h"
 #include "standoff/grid.h"
 #include "standoff/mesh.h"
 #include "standoff/verify.h"
@@ -39,8 +40,9 @@ class FloatRange {
 };
 
 /// Whether the grid's spacings are within the limits of check_domain(): the largest one, and it beside the least.
-inline bool is_moderate(double spacing) { return spacing >= 0x1p-110 && spacing <= 0x1p100; }
-inline bool is_even(Vec3 h) { return std::min({h.x, h.y, h.z}) >= std::max({h.x, h.y, h.z}) / 0x1p60; }
+STANDOFF_HD inline bool is_moderate(double spacing) { return spacing >= 0x1p-110 && spacing <= 0x1p100; }
+STANDOFF_HD inline bool is_even(double least, double largest) { return least >= largest / 0x1p60; }
+inline bool is_even(Vec3 h) { return is_even(std::min({h.x, h.y, h.z}), std::max({h.x, h.y, h.z})); }
 inline bool has_float_spacing(const Grid& grid) { return is_moderate(grid.max_spacing()) && is_even(grid.spacing); }
 
 /// Backends compute squared distances in float, in units of the spacing. Throws Error{limit} if these, or the distances

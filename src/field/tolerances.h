@@ -66,7 +66,8 @@ static_assert(kBoxSlack > 0x1p30 * gamma_double(4));
 /// then lie within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most
 /// triangles are farther than others everywhere. Decides speed alone: both algorithms give the same field.
 inline constexpr double kThinBand = 4;
-inline bool is_thin(const Grid& grid, double thickness) { return thickness <= kThinBand * grid.max_spacing(); }
+STANDOFF_HD inline bool is_thin(double max_spacing, double thickness) { return thickness <= kThinBand * max_spacing; }
+inline bool is_thin(const Grid& grid, double thickness) { return is_thin(grid.max_spacing(), thickness); }
 
 // Which triangles are set up for samples in float, and which in double. This decides bits, so the CPU, sixteen
 // triangles at a time, and the GPU, one, ask here.

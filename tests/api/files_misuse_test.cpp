@@ -2,6 +2,7 @@
 // io.h, picture.h, slice.h and cuda.h with arguments that make no sense.
 #include "files/atomic_file.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_batch.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/io.h"
 #include "standoff/picture.h"
@@ -207,6 +208,19 @@ TEST(Misuse, DeviceMemory) {
   expect_answer_or_error("enqueue", [&] { cuda::enqueue(std::span<const cuda::Task>(&task, 1), nullptr, 0, nullptr); });
   expect_answer_or_error("check", [&] { cuda::check({1, cuda::Outcome::kNone, ~0ull, ~0ull, 0, 0}, task); });
   expect_answer_or_error("check", [&] { cuda::check({1, 0, 0, 0, 0, 0}, task); });
+  for (const std::int64_t n : kCounts) {
+    cuda::BatchTask batch;
+    batch.size = grid.size;
+    batch.count = batch.vertex_count = batch.triangle_count = n;
+    const std::string name = named("count", n);
+    expect_answer_or_error(name, [&] { EXPECT_GE(cuda::likely_entries(batch), 0); });
+    expect_answer_or_error(name, [&] { EXPECT_GT(cuda::workspace_bytes(batch, n), 0); });
+    expect_answer_or_error(name, [&] { cuda::enqueue(batch, nullptr, n, nullptr); });
+    batch.size = {n, n, n};
+    expect_answer_or_error(name, [&] { EXPECT_GE(cuda::likely_entries(batch), 0); });
+    expect_answer_or_error(name, [&] { EXPECT_GT(cuda::workspace_bytes(batch, n), 0); });
+    expect_answer_or_error(name, [&] { cuda::check({1, cuda::Outcome::kNone, ~2ull, 0, 0, 0}, batch); });
+  }
   float values[8];
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated}) {
     const cuda::OnStream on{.backend = backend, .device = backend == testing::kEmulated ? -1 : 4711};

@@ -17,6 +17,7 @@
 #include "standoff/confidence.h"
 #include "standoff/crossings.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_batch.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/exposed.h"
 #include "standoff/inspect.h"
@@ -256,6 +257,14 @@ TEST(RefusedMemory, Devices) {
   expect_error_or_limit("enqueue", [&] { emulated::enqueue(nothing, nullptr, 0); });
   expect_error_or_limit("enqueue", [&] { emulated::enqueue({&nothing, 1}, nullptr, 0); });
   expect_error_or_limit("check", [&] { cuda::check(bad, nothing); });
+  cuda::BatchTask batch;
+  batch.count = -1;
+  expect_error_or_limit("likely_entries", [&] { cuda::likely_entries(batch); });
+  expect_error_or_limit("workspace_bytes", [&] { cuda::workspace_bytes(batch, 1); });
+  expect_error_or_limit("workspace_bytes", [&] { emulated::workspace_bytes(batch, 1); });
+  expect_error_or_limit("enqueue", [&] { cuda::enqueue(batch, nullptr, 0, nullptr); });
+  expect_error_or_limit("enqueue", [&] { emulated::enqueue(batch, nullptr, 0); });
+  expect_error_or_limit("check", [&] { cuda::check(bad, batch); });
   float values[1000];
   const cuda::OnStream on{.backend = testing::kEmulated};
   const cuda::FieldRequest requests[] = {{kMesh, kGrid, 1, values}, {kMesh, kGrid, -1, values}};

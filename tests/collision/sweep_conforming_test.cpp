@@ -7,6 +7,7 @@
 
 #include "standoff/collision.h"
 #include "tests/collision/bodies.h"
+#include "tests/collision/solids.h"
 #include "tests/support/expect_error.h"
 
 namespace standoff {
@@ -14,8 +15,8 @@ namespace {
 
 using namespace standoff::testing;
 
-// The sphere takes 250,000 steps, the shaft 410,000, and the plates one.
-constexpr std::int64_t kSphereSteps = 400'000, kShaftSteps = 600'000, kPlateSteps = 1;
+// Spheres and shafts take at most 8,192 steps, most of them before their orbits are found, and the plates one.
+constexpr std::int64_t kTurningSteps = 10'000, kPlateSteps = 1;
 constexpr double kHalfTurn = std::numbers::pi;
 
 // A mesh of 2 * columns * rows triangles over the unit square.
@@ -66,16 +67,51 @@ void expect_free_within(const Mesh& mesh_a, const Mesh& mesh_b, const RigidMotio
   }
 }
 
+// Compares with exact answers at many times, also in steps that double from the time of the hit backwards.
+void expect_true(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                 const SweepOptions& options, const SweepResult& swept) {
+  ASSERT_TRUE(swept.finished);
+  std::vector<double> times;
+  for (int k = 0; k < 40; ++k) times.push_back(swept.time * k / 40);
+  for (double before = 1e-12; before < swept.time; before *= 4) times.push_back(swept.time - before);
+  if (!swept.hit) times.push_back(1);
+  if (swept.time == 0) times.clear();
+  for (const double t : times)
+    ASSERT_FALSE(collide(a, pose_a, b, pose_at(motion, t)).hit()) << "at " << t << " before " << swept.time;
+  if (!swept.hit) return;
+  EXPECT_LE(distance(a, pose_a, b, pose_at(motion, swept.time)).upper, options.tolerance * (1 + 1e-9));
+}
+
 // The bounds of speed alone make a sphere that turns in another one crawl, in steps of the clearance: such a sweep once
 // took ten seconds.
 TEST(ConformingSweep, ASphereTurnsInASphere) {
   const RigidMotion motion{{}, make_pose({0.3, 0.5, 0.8}, 170 * kHalfTurn / 180, {}), {}};
-  expect_free_within(ball_mesh(1, 25), ball_mesh(0.99, 25), motion, 0, kSphereSteps);
+  expect_free_within(ball_mesh(1, 25), ball_mesh(0.99, 25), motion, 0, kTurningSteps);
 }
 
 TEST(ConformingSweep, AShaftTurnsInItsSleeve) {
   const RigidMotion motion{{}, make_pose({0, 0, 1}, 170 * kHalfTurn / 180, {}), {}};
-  expect_free_within(tube_mesh(1.005, 6, 100, 25), tube_mesh(1, 6, 100, 25), motion, 0, kShaftSteps);
+  expect_free_within(tube_mesh(1.005, 6, 100, 25), tube_mesh(1, 6, 100, 25), motion, 0, kTurningSteps);
+}
+
+// Orbits tell nothing of what sticks out: a tooth on the shaft, and a stop in the sleeve, which meet after 100 degrees.
+TEST(ConformingSweep, AToothOfAShaftMeetsAStop) {
+  const auto fin = [](double degrees, double from, double to) {
+    const double angle = degrees / 180 * kHalfTurn;
+    const Vec3 out{std::cos(angle), std::sin(angle), 0}, up{0, 0, 0.1};
+    Mesh mesh;
+    mesh.vertices = {out * from - up, out * from + up, out * to};
+    mesh.triangles = {{0, 1, 2}};
+    return mesh;
+  };
+  const Body sleeve(joined({tube_mesh(1.005, 6, 100, 25), fin(100, 1.005, 1.001)}));
+  const Body shaft(joined({tube_mesh(1, 6, 100, 25), fin(0, 1, 1.003)}));
+  const RigidMotion motion{{}, make_pose({0, 0, 1}, 170 * kHalfTurn / 180, {}), {}};
+  const SweepOptions options{1e-6, kTurningSteps};
+  const SweepResult swept = sweep(sleeve, {}, shaft, motion, options);
+  ASSERT_TRUE(swept.hit && swept.finished);
+  EXPECT_NEAR(swept.time, 100.0 / 170, 1e-6);
+  expect_true(sleeve, {}, shaft, motion, options, swept);
 }
 
 // In single precision a gap of 1e-7 of the size is not seen, and all triangles are followed.
@@ -104,21 +140,6 @@ TEST(ConformingSweep, PlatesOfAHundredThousandTriangles) {
   ASSERT_TRUE(swept.hit);
   EXPECT_NEAR(swept.time, 0.5, 1e-7);
   EXPECT_LE(swept.time, 0.5);
-}
-
-// Compares with exact answers at many times, also in steps that double from the time of the hit backwards.
-void expect_true(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
-                 const SweepOptions& options, const SweepResult& swept) {
-  ASSERT_TRUE(swept.finished);
-  std::vector<double> times;
-  for (int k = 0; k < 40; ++k) times.push_back(swept.time * k / 40);
-  for (double before = 1e-12; before < swept.time; before *= 4) times.push_back(swept.time - before);
-  if (!swept.hit) times.push_back(1);
-  if (swept.time == 0) times.clear();
-  for (const double t : times)
-    ASSERT_FALSE(collide(a, pose_a, b, pose_at(motion, t)).hit()) << "at " << t << " before " << swept.time;
-  if (!swept.hit) return;
-  EXPECT_LE(distance(a, pose_a, b, pose_at(motion, swept.time)).upper, options.tolerance * (1 + 1e-9));
 }
 
 struct Pair {

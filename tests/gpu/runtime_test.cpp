@@ -9,6 +9,7 @@
 
 #include "standoff/compute.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_batch.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"
 #include "tests/gpu/runtime/pretend.h"
@@ -47,18 +48,38 @@ Failure failure_of(const ComputeOptions& options) {
   return {ErrorCode::internal, "no error"};
 }
 
-TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
-  int stream = 0;  // its address is all that is looked at
-  const auto on = reinterpret_cast<cudaStream_t>(&stream);
-  float values[1];
-  std::int32_t slots[1];
-  cuda::Outcome outcome[1];
+// The calls so far allocated nothing and waited for nothing; returns how many launches there are on the stream.
+int launches_alone(cudaStream_t on) {
   const std::set<std::string> allowed{"a launch",
                                       "cudaMemsetAsync",
                                       "cudaGetDevice",
                                       "cudaDeviceGetAttribute",
                                       "cudaFuncGetAttributes",
                                       "cudaOccupancyMaxActiveBlocksPerMultiprocessorWithFlags"};
+  int launches = 0;
+  for (const pretend::Call& call : gpu.calls) {
+    EXPECT_TRUE(allowed.contains(call.name)) << call.name;
+    if (call.name != "a launch" && call.name != "cudaMemsetAsync") continue;
+    EXPECT_EQ(call.stream, on) << call.name;
+    ++launches;
+  }
+  return launches;
+}
+
+// A workspace on a GPU that is pretended.
+struct Workspace {
+  explicit Workspace(std::int64_t size) : bytes(size), memory(static_cast<std::size_t>(size) + 256) {}
+  void* at() { return memory.data() + (256 - reinterpret_cast<std::uintptr_t>(memory.data()) % 256) % 256; }
+  std::int64_t bytes;
+  std::vector<char> memory;
+};
+
+TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
+  int stream = 0;  // its address is all that is looked at
+  const auto on = reinterpret_cast<cudaStream_t>(&stream);
+  float values[1];
+  std::int32_t slots[1];
+  cuda::Outcome outcome[1];
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double thickness : {1.0, 5.0})
       for (const bool sparse : {false, true}) {
@@ -70,20 +91,37 @@ TEST_F(CudaRuntime, WorkInDeviceMemoryOnlyLaunchesOnTheCallersStream) {
         task.method = method;
         task.output = {values, nullptr, sparse ? slots : nullptr, 18};
         task.outcome = outcome;
-        const std::int64_t bytes = cuda::workspace_bytes(task.mesh.triangle_count, kGrid, thickness, method, 1000);
-        std::vector<char> memory(static_cast<std::size_t>(bytes) + 256);
-        void* const workspace = memory.data() + (256 - reinterpret_cast<std::uintptr_t>(memory.data()) % 256) % 256;
+        Workspace workspace(cuda::workspace_bytes(task.mesh.triangle_count, kGrid, thickness, method, 1000));
         gpu.calls.clear();
-        cuda::enqueue(task, workspace, bytes, on);
-        int launches = 0;
-        for (const pretend::Call& call : gpu.calls) {
-          EXPECT_TRUE(allowed.contains(call.name)) << call.name;
-          if (call.name != "a launch" && call.name != "cudaMemsetAsync") continue;
-          EXPECT_EQ(call.stream, on) << call.name;
-          ++launches;
-        }
-        EXPECT_GE(launches, 4);
+        cuda::enqueue(task, workspace.at(), workspace.bytes, on);
+        EXPECT_GE(launches_alone(on), 4);
       }
+}
+
+// As many launches for a thousand meshes as for one.
+TEST_F(CudaRuntime, ManyMeshesTakeAsManyLaunchesAsOne) {
+  int stream = 0;
+  const auto on = reinterpret_cast<cudaStream_t>(&stream);
+  const cuda::BatchPlace place[1]{};
+  float values[1];
+  cuda::Outcome outcome[1];
+  const std::int64_t offsets[1]{};
+  std::set<int> launches;
+  for (const std::int64_t count : {1, 1000}) {
+    cuda::BatchTask task;
+    task.count = count;
+    task.size = kGrid.size;
+    task.first_vertex = task.first_triangle = offsets;
+    task.places = place;
+    task.values = values;
+    task.outcomes = task.total = outcome;
+    Workspace workspace(cuda::workspace_bytes(task, 1000));
+    gpu.calls.clear();
+    cuda::enqueue(task, workspace.at(), workspace.bytes, on);
+    launches.insert(launches_alone(on));
+  }
+  EXPECT_EQ(launches.size(), 1u);
+  EXPECT_GE(*launches.begin(), 10);
 }
 
 // No kernel has run, so the meshes seem to have changed meanwhile, which is an error of their input.

@@ -15,6 +15,7 @@
 #include "backends/cuda/fields.h"
 #include "scenes/scenes.h"
 #include "standoff/error.h"
+#include "tests/gpu_check/batch_on_device.cuh"
 #include "tests/gpu_check/field_on_device.cuh"
 #include "tests/gpu_check/timing.cuh"
 #include "tests/support/random_mesh.h"
@@ -235,8 +236,43 @@ int run_large() {
                                                   std::to_string(looked_at) + " are inexact");
 }
 
+/// The fields of many meshes at once against single ones of the emulation; of those that are wrong, each is told.
+int run_batch(bool quick) {
+  using namespace STANDOFF_PLATFORM;
+  const Size3 size{27, 22, 19};
+  std::vector<Case> singles;
+  testing::MeshBatch all;
+  for (int n = 0; n < (quick ? 12 : 200); ++n) {
+    const double scale = 0.3 + 0.01 * n;
+    const Vec3 at{1000.0 * n, -77.0 * n, 0.5};
+    Mesh mesh = n % 5 == 0   ? testing::nasty_soup(300u + static_cast<unsigned>(n), 30, 6)
+                : n % 5 == 1 ? testing::random_soup(300u + static_cast<unsigned>(n), 6, 8, 20)
+                             : testing::random_soup(300u + static_cast<unsigned>(n), 1 + n % 97, 5, 0.8);
+    for (Vec3& v : mesh.vertices) v = scale * v + at;
+    const Vec3 spacing = scale * Vec3{0.5, 0.45, 0.5 + 0.001 * n};
+    singles.push_back({"", mesh, {size, at - scale * Vec3{6, 5, 4.5}, spacing}, (0.5 + 0.01 * n) * scale});
+    all.add(mesh, {singles.back().grid.origin, spacing, singles.back().thickness});
+  }
+  const std::size_t bad = 7;
+  all.triangles[static_cast<std::size_t>(all.first_triangle[bad])][1] = 4000000000u;
+  BatchOnDevice batch(all, size, true);
+  batch.run();
+  const std::vector<cuda::Outcome> outcomes = batch.outcomes();
+  int wrong = outcomes[bad].bad_triangle != 0;
+  for (std::size_t n = 0; n < singles.size(); ++n) {
+    if (n == bad) continue;
+    const Reference reference = emulate(singles[n], Method::tiles);
+    const auto index = static_cast<std::int64_t>(n);
+    wrong += different(batch.values(index), reference.values) != 0 ||
+             different(batch.nearest(index), reference.nearest) != 0 || outcomes[n].stopped != 0 ||
+             outcomes[n].samples_band != reference.outcome.samples_band;
+  }
+  return judge(wrong == 0, "many meshes at once: " + std::to_string(wrong) + " of " + std::to_string(singles.size()) +
+                               " fields are wrong");
+}
+
 int run_all(bool quick) {
-  int faults = run_faults() + run_graph() + run_blocking(), count = 10;
+  int faults = run_faults() + run_graph() + run_blocking() + run_batch(quick), count = 11;
   if (!quick) {
     faults += run_large();
     ++count;

@@ -14,18 +14,18 @@ gpu_check --out "$PWD/results" --only build || fail "building failed"
 [[ ! -e results/gpu.csv && ! -e results/check.txt ]] || fail "more than the build was done"
 gpu_check --out "$PWD/results" --quick || fail "the quick check failed"
 grep -q 'continuing in' log || fail "the second call began anew"
-[[ $(cut -d, -f1,2,5 results/gpu.csv | tail -n +2 | tr '\n' ' ') == "goal,factory,dense goal,catapult,dense goal,terrain,dense goal,factory,sparse goal,machine_2,dense " ]] ||
+[[ $(cut -d, -f1,2,5 results/gpu.csv | tail -n +2 | tr '\n' ' ') == "goal,factory,dense goal,catapult,dense goal,terrain,dense goal,factory,sparse goal,machine_2,dense goal,many,batch_9 " ]] ||
   fail "the quick check does not measure the goals alone"
 cp results/gpu.csv quick.csv
 gpu_check --out "$PWD/results" --only measure || fail "measuring failed"
-[[ $(head -n 6 results/gpu.csv) == $(cat quick.csv) ]] || fail "what was measured is measured again"
-grep -q 'measuring the rest: 120 jobs, 5 were' log || fail "the rest is not the rest"
+[[ $(head -n 7 results/gpu.csv) == $(cat quick.csv) ]] || fail "what was measured is measured again"
+grep -q 'measuring the rest: 122 jobs, 6 were' log || fail "the rest is not the rest"
 grep -q '^0 of [0-9]* checks went wrong' results/check.txt || fail "check.txt has no sum"
 rows() { awk -F, -v table="$1" '$1 == table' results/gpu.csv | wc -l; }
 while read -r table count; do
   [[ $(rows "$table") == "$count" ]] || fail "gpu.csv has $(rows "$table") rows of $table, not $count"
 done <<'END'
-goal 14
+goal 17
 figure_1.1 2
 table_5.1 52
 table_5.2 16

@@ -4,8 +4,9 @@
 //   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
 // to host memory, dense), upload and download (its copies alone), compute (what compute() does of it: from host memory
-// to a new sparse field there), counting (the part of dense before triangles are listed), or dense with parts left out
-// (parts.cuh). The grid has NX NY NZ cells in a
+// to a new sparse field there), counting (the part of dense before triangles are listed), batch_N (N meshes in one
+// sequence of launches; SCENE is then many: copies of eight scenes, of about TRIANGLES triangles each), singles_N (the
+// same one after the other), or dense with parts left out (parts.cuh). The grid has NX NY NZ cells in a
 // box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
 // left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
 // AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
@@ -16,12 +17,14 @@
 // measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <string>
 
 #include "scenes/scenes.h"
 #include "standoff/error.h"
+#include "tests/gpu_check/batch_on_device.cuh"
 #include "tests/gpu_check/field_on_device.cuh"
 #include "tests/gpu_check/parts.cuh"
 #include "tests/gpu_check/peer_file.h"
@@ -45,14 +48,39 @@ bool read(Line& l) {
 }
 
 /// The mesh, scaled or stretched, in the middle of the box from the origin to `extent`.
-Mesh placed(const Line& l) {
-  Mesh mesh = scenes::make(l.scene, l.triangles);
+Mesh placed(const Line& l, const std::string& scene, std::int64_t triangles) {
+  Mesh mesh = scenes::make(scene, triangles);
   const Box box = bounds(mesh);
   const Vec3 old = box.extent(), target = l.extent - Vec3{2, 2, 2} * l.margin;
   const auto factor = [&](double to, double from) { return l.scale > 0 ? l.scale : from > 0 ? to / from : 1; };
   const Vec3 scale{factor(target.x, old.x), factor(target.y, old.y), factor(target.z, old.z)};
   for (Vec3& v : mesh.vertices) v = (v - box.center()) * scale + 0.5 * l.extent;
   return mesh;
+}
+
+/// Meshes of eight scenes and sizes, each copy at its own place and of its own scale.
+testing::MeshBatch many(const Line& l, std::int64_t count, double thickness) {
+  constexpr std::pair<const char*, double> kKinds[] = {{"sphere", 0.2}, {"fly", 0.3},     {"catapult", 0.5},
+                                                       {"bender", 0.6}, {"terrain", 0.8}, {"machine_2", 0.9},
+                                                       {"plane", 1},    {"nested", 4}};
+  std::vector<Mesh> kinds;
+  for (const auto& [scene, share] : kKinds)
+    kinds.push_back(placed(l, scene, std::llround(share * static_cast<double>(l.triangles))));
+  const Vec3 spacing = l.extent / Vec3{double(l.size.x), double(l.size.y), double(l.size.z)};
+  testing::MeshBatch all;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const double scale = 1 + static_cast<double>(n % 97) / 97;
+    const Vec3 at{7.0 * static_cast<double>(n), -3.0 * static_cast<double>(n % 1000), 0.25};
+    Mesh mesh = kinds[static_cast<std::size_t>(n) % std::size(kKinds)];
+    for (Vec3& v : mesh.vertices) v = scale * v + at;
+    all.add(mesh, {at + 0.5 * scale * spacing, scale * spacing, scale * thickness});
+  }
+  return all;
+}
+
+/// The number behind a prefix of an output's name, or 0.
+std::int64_t number_behind(const std::string& prefix, const std::string& output) {
+  return output.starts_with(prefix) ? std::stoll(output.substr(prefix.size())) : 0;
 }
 
 struct Times {
@@ -136,6 +164,45 @@ Times measure_compute(const Mesh& mesh, const Grid& grid, double thickness, Meth
   });
 }
 
+void print(const Line& l, std::size_t triangles, double thickness, const Times& t, const Outcome& outcome,
+           std::int64_t workspace_bytes, double written) {
+  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.6f,%.6f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
+              l.scene.c_str(), triangles, l.method.c_str(), l.output.c_str(), static_cast<long long>(l.size.x),
+              static_cast<long long>(l.size.y), static_cast<long long>(l.size.z), thickness, t.median, t.least, t.runs,
+              outcome.samples_examined, outcome.samples_band, outcome.needed_entries,
+              static_cast<double>(workspace_bytes) / (1 << 20), written / t.median / 1e6, l.seconds_2008.c_str(),
+              l.at_most_ms.c_str());
+  std::fflush(stdout);
+}
+
+/// Many meshes at once, or the same one after the other.
+void run_many(const Line& l, std::int64_t count, bool one_by_one) {
+  const double thickness = std::stod(l.thickness);
+  const testing::MeshBatch meshes = many(l, count, thickness);
+  BatchOnDevice batch(meshes, l.size, false);
+  const Outcome total = batch.run();
+  const std::vector<Task> tasks = one_by_one ? batch.single_tasks() : std::vector<Task>();
+  if (one_by_one) batch.make_room_for(tasks);
+  if (profiles) {
+    const Profiled watched;
+    batch.enqueue(nullptr);
+    batch.outcomes();  // waits
+    return;
+  }
+  StreamClock clock;
+  const Times t = repeated([&] {
+    clock.start(nullptr);
+    if (one_by_one)
+      STANDOFF_PLATFORM::enqueue(std::span<const Task>(tasks), batch.workspace(), batch.workspace_bytes(), nullptr);
+    else
+      batch.enqueue(nullptr);
+    return clock.stop(nullptr);
+  });
+  for (const Outcome& outcome : batch.outcomes()) cuda::check(outcome, batch.task());
+  print(l, meshes.triangles.size(), thickness, t, total, batch.workspace_bytes(),
+        4.0 * static_cast<double>(count * l.size.count()));
+}
+
 void profile(FieldOnDevice& field) {
   const Profiled watched;
   field.enqueue(nullptr);
@@ -143,7 +210,9 @@ void profile(FieldOnDevice& field) {
 }
 
 void run(const Line& l) {
-  const Mesh mesh = placed(l);
+  if (const std::int64_t count = number_behind("batch_", l.output)) return run_many(l, count, false);
+  if (const std::int64_t count = number_behind("singles_", l.output)) return run_many(l, count, true);
+  const Mesh mesh = placed(l, l.scene, l.triangles);
   const Vec3 counts{double(l.size.x), double(l.size.y), double(l.size.z)}, spacing = l.extent / counts;
   const Grid grid{l.size, 0.5 * spacing, spacing};
   const double thickness = l.thickness == "inf" ? std::numeric_limits<double>::infinity() : std::stod(l.thickness);
@@ -154,18 +223,12 @@ void run(const Line& l) {
   if (!export_folder.empty())
     return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
                            field.values());
-  const double workspace = static_cast<double>(field.workspace_bytes()) / (1 << 20);
+  const std::int64_t workspace = field.workspace_bytes();
   const Times t = l.output == "compute" ? measure_compute(mesh, grid, thickness, method) : measure(l, mesh, field);
   double written =
       4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * kTileSamples : grid.sample_count());
   if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
-  std::printf("%s,%s,%zu,%s,%s,%lldx%lldx%lld,%g,%.6f,%.6f,%d,%llu,%llu,%llu,%.1f,%.1f,%s,%s\n", l.table.c_str(),
-              l.scene.c_str(), mesh.triangles.size(), l.method.c_str(), l.output.c_str(),
-              static_cast<long long>(l.size.x), static_cast<long long>(l.size.y), static_cast<long long>(l.size.z),
-              thickness, t.median, t.least, t.runs, outcome.samples_examined, outcome.samples_band,
-              outcome.needed_entries, workspace, written / t.median / 1e6, l.seconds_2008.c_str(),
-              l.at_most_ms.c_str());
-  std::fflush(stdout);
+  print(l, mesh.triangles.size(), thickness, t, outcome, workspace, written);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "field/backend.h"
 #include "standoff/cuda.h"
+#include "standoff/cuda_batch.h"
 #include "standoff/cuda_compute.h"
 
 namespace standoff::cuda {
@@ -55,11 +56,13 @@ std::vector<cuda::OrError<cuda::Outcome>> compute_on_stream(std::span<const cuda
                                                             const cuda::OnStream& on);
 void copy_from_stream(const float* values, std::span<float> to, const cuda::OnStream& on);
 
-// The functions of standoff/cuda.h in plain memory, by the emulation: for tests.
+// The functions of standoff/cuda.h and standoff/cuda_batch.h in plain memory, by the emulation: for tests.
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries);
 void enqueue(const cuda::Task& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 void enqueue(std::span<const cuda::Task> tasks, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
+std::int64_t workspace_bytes(const cuda::BatchTask& task, std::int64_t entries);
+void enqueue(const cuda::BatchTask& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 
 }  // namespace standoff::emulated

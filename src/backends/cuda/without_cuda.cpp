@@ -26,6 +26,8 @@ void copy_from_stream(const float*, std::span<float>, const OnStream&) { fail();
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
 void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
+std::int64_t workspace_bytes(const BatchTask&, std::int64_t) { fail(); }
+void enqueue(const BatchTask&, void*, std::int64_t, Stream) { fail(); }
 
 const thesis::Algorithm2Functions kAlgorithm2{
     [](DistanceField, int) -> std::shared_ptr<const thesis::HeldField> { fail(); },

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of standoff/cuda.h that need no GPU.
+// The parts of standoff/cuda.h and standoff/cuda_batch.h that need no GPU.
 #include "standoff/cuda.h"
 
 #include <string>
 
 #include "core/guarded.h"
 #include "field/backend.h"
+#include "field/cuda/batch_sizes.h"
 #include "field/cuda/capacity.h"
 #include "standoff/error.h"
 
@@ -27,6 +28,14 @@ void check(const Outcome& outcome, const Task& task) try {
                     " has an index out of range or a corner that is not finite; repair the mesh",
                 {.triangle = static_cast<std::int64_t>(outcome.bad_triangle)});
   if (outcome.needed_entries == Outcome::kNoSeeds) throw_no_seeds();
+  if (outcome.needed_entries == Outcome::kNoPlace)
+    throw Error(ErrorCode::usage,
+                "cuda: the mesh's place among many is not valid; give it a finite origin, positive spacings of moderate "
+                "size, and a positive thickness of at most four times the largest spacing");
+  if (outcome.needed_entries == Outcome::kNoOrder)
+    throw Error(ErrorCode::usage,
+                "cuda: first_vertex or first_triangle do not ascend from 0 to the number of all; nothing was written, "
+                "give them a number per mesh and one behind the last");
   if (outcome.needed_entries == Outcome::kNone)
     throw Error(ErrorCode::input,
                 "cuda: the mesh changed while its field was computed; nothing was written, let the work end before the "
@@ -39,6 +48,18 @@ void check(const Outcome& outcome, const Task& task) try {
                                     std::to_string(outcome.needed_entries) +
                                     " entries; nothing was written, give a workspace for more (workspace_bytes)");
 } catch (...) {
+  throw_as_error("cuda");
+}
+
+std::int64_t likely_entries(const BatchTask& task) try {
+  check_sizes(task);
+  const Grid all = stacked_grid(task);
+  return task.count == 0 ? 0 : estimate_list_entries(task.triangle_count, all, all.max_spacing());
+} catch (...) {
+  throw_as_error("cuda");
+}
+
+void check(const Outcome& outcome, const BatchTask&) try { check(outcome, Task{}); } catch (...) {
   throw_as_error("cuda");
 }
 

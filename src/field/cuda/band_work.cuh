@@ -22,7 +22,8 @@ inline constexpr Counter kHeavyList = 512;
 
 inline constexpr std::uint32_t kWhole = 0xffffffffu;
 
-/// A tile and a part of its list; or, without a list, which of the 32 tiles from this one on along x are to be filled.
+/// A tile of the stack of fields (field_set.cuh) and a part of its list; or, without a list, which of the 32 tiles from
+/// this one on along x are to be filled.
 struct WorkItem {
   std::int64_t tile[3];
   Counter first;        // the first entry
@@ -52,24 +53,28 @@ struct BandWork {
 };
 
 /// The number of groups of 32 tiles along x.
-STANDOFF_HD inline std::int64_t tile_groups(const Lattice& l) {
-  return (l.tiles[0] + 31) / 32 * l.tiles[1] * l.tiles[2];
+template <class Fields>
+STANDOFF_HD std::int64_t tile_groups(const Fields& fields) {
+  return (fields.tiles(0) + 31) / 32 * fields.tiles(1) * fields.tiles(2);
 }
 
 /// Lists the items of all tiles: a thread per tile, a warp per group. Empty tiles get items only if they must be
 /// filled. The order of items depends on the timing of threads, but no bit of the field does.
-STANDOFF_KERNEL void list_work(Lattice l, const Counter* start, BandWork work, bool fills, Outcome* outcome) {
-  if (outcome->stopped) return;
+template <class Fields>
+STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork work, bool fills) {
+  if (fields.total()->stopped) return;
   const int lane = static_cast<int>(threadIdx.x) % 32;
-  const std::int64_t tiles = l.tile_count(), groups = (l.tiles[0] + 31) / 32,
+  const std::int64_t tiles = tile_count_of(fields), groups = (fields.tiles(0) + 31) / 32,
                      group = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32;
-  if (group >= tile_groups(l)) return;
-  const std::int64_t x = group % groups * 32 + lane, row = group / groups, index = x + l.tiles[0] * row;
-  const bool exists = x < l.tiles[0];
+  if (group >= tile_groups(fields)) return;
+  const std::int64_t x = group % groups * 32 + lane, row = group / groups, y = row % fields.tiles(1),
+                     layer = row / fields.tiles(1), index = x + fields.tiles(0) * row;
+  if (fields.has_stopped_alone(fields.field_of_layer(layer))) return;
+  const bool exists = x < fields.tiles(0);
   const Counter first = exists ? start[index] : 0, count = exists ? start[index + 1] - first : 0;
   const Counter total = start[tiles], even = (total + kMostParts - 1) / kMostParts,
                 part = even < kLeastPart ? kLeastPart : even;
-  WorkItem item{{x, row % l.tiles[1], row / l.tiles[1]}, first, static_cast<std::uint32_t>(count), kWhole};
+  WorkItem item{{x, y, layer}, first, static_cast<std::uint32_t>(count), kWhole};
   const std::uint32_t empty = __ballot_sync(0xffffffffu, fills && exists && count == 0);
   const bool fills_here = lane == 0 && empty != 0;
   // The light items of a warp take their places at once, together with the item that fills the group's empty tiles.

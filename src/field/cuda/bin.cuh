@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "field/cuda/field_set.cuh"
 #include "field/lattice.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triangle_frame.h"
@@ -15,13 +16,6 @@
 #include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
-
-#ifndef __CUDACC__  // the emulation runs the tasks of standoff/cuda.h in plain memory
-using cuda::DeviceMesh;
-using cuda::DeviceOutput;
-using cuda::Outcome;
-using cuda::Task;
-#endif
 
 /// Makes all later kernels write nothing.
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
@@ -39,11 +33,6 @@ struct Corners {
 };
 
 STANDOFF_DEVICE bool is_finite(double a) { return a - a == 0; }
-
-/// The n-th triangle to use.
-STANDOFF_DEVICE std::uint32_t used_triangle(const DeviceMesh& mesh, std::int64_t n) {
-  return mesh.kept ? mesh.kept[n] : static_cast<std::uint32_t>(n);
-}
 
 /// Requires a triangle that is_valid.
 STANDOFF_DEVICE Corners corners_of(const DeviceMesh& mesh, std::uint32_t triangle) {
@@ -104,9 +93,10 @@ struct TileLists {
   Counter capacity;        // the number of entries that fit
 };
 
-/// Triangles that touch many tiles, from the front of the array; triangles that touch very many, from its back.
+/// The numbers, among the triangles of all fields, of those that touch many tiles, from the front of the array; of
+/// those that touch very many, from its back.
 struct LongList {
-  std::uint32_t* triangles;
+  std::uint32_t* numbers;
   Counter* count;  // two numbers, one for each kind
   std::int64_t capacity;
 };
@@ -122,10 +112,10 @@ STANDOFF_DEVICE std::int64_t tiles_in(const CellRange& r) {
   return (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
 }
 /// Lists a triangle that touches many tiles.
-STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::uint32_t triangle) {
+STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::int64_t n) {
   const bool is_huge = tiles_in(r) > kHugeRange;
   const auto place = static_cast<std::int64_t>(atomicAdd(&list.count[is_huge], Counter{1}));
-  list.triangles[is_huge ? list.capacity - 1 - place : place] = triangle;
+  list.numbers[is_huge ? list.capacity - 1 - place : place] = static_cast<std::uint32_t>(n);
 }
 
 /// No list is this long: a count from here on has wrapped below zero.
@@ -178,72 +168,89 @@ inline constexpr int kBinBlocks = 6;
 #endif
 
 /// Bins short triangles, a thread per triangle. The first pass also lists the long ones.
-template <bool kPlace>
+template <bool kPlace, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
-    bin_small(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
-  if (kPlace && __ballot_sync(0xffffffffu, outcome->stopped != 0) != 0) return;  // the warp must stay together
+    bin_small(typename Fields::Lattices lattices, Fields fields, TileLists lists, LongList long_ones) {
+  if (kPlace && __ballot_sync(0xffffffffu, fields.total()->stopped != 0) != 0) return;  // the warp must stay together
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   CellRange r{{0, 0, 0}, {-1, -1, -1}};
   std::uint32_t triangle = 0;
-  if (n < mesh.used_count()) {
-    triangle = used_triangle(mesh, n);
-    if (kPlace || is_valid(mesh, triangle, outcome)) r = tiles_of(l, corners_of(mesh, triangle));
+  std::int64_t number = 0;
+  if (n < fields.triangle_count()) {
+    number = fields.field_of(n);
+    const auto& f = fields.field(number);
+    triangle = fields.triangle(number, n);
+    // The first pass looks at all triangles of a mesh, even if it has stopped: the first bad one is to be named.
+    if (kPlace ? !fields.has_stopped_alone(number)
+               : fields.has_place(number) && is_valid(f.mesh, triangle, f.outcome))
+      r = tiles_of(fields.lattice(lattices, number), corners_of(f.mesh, triangle));
   }
   bool places = !r.empty();
   if (places && !r.is_small()) {
-    if (!kPlace) list_long(long_ones, r, triangle);
+    if (!kPlace) list_long(long_ones, r, n);
     places = false;
   }
   bool fits = true;
   for (int corner = 0; corner < 8; ++corner) {  // all lanes of the warp, whatever their ranges
     const std::int64_t x = r.low[0] + (corner & 1), y = r.low[1] + (corner >> 1 & 1), z = r.low[2] + (corner >> 2);
     const bool mine = places && x <= r.high[0] && y <= r.high[1] && z <= r.high[2];
-    if (__ballot_sync(0xffffffffu, mine) != 0) fits &= use_tiles<kPlace>(lists, mine ? l.tile(x, y, z) : -1, triangle);
+    if (__ballot_sync(0xffffffffu, mine) != 0)
+      fits &= use_tiles<kPlace>(lists, mine ? fields.tile(number, x, y, z) : -1, triangle);
   }
-  if (!fits) stop_for_miscount(outcome);
+  if (!fits) stop_for_miscount(fields.field(number).outcome);
 }
 
-/// Bins a long triangle into part `share` of `shares` of its range: a lane per tile.
-template <bool kPlace>
-STANDOFF_DEVICE void bin_share(const Lattice& l, const DeviceMesh& mesh, const TileLists& lists, std::uint32_t triangle,
-                               int share, int shares, double reach_sq, Outcome* outcome) {
-  const Corners c = corners_of(mesh, triangle);
+/// Bins a long triangle of field `number` into part `share` of `shares` of its range: a lane per tile.
+template <bool kPlace, class Fields>
+STANDOFF_DEVICE void bin_share(const Lattice& l, const Fields& fields, std::int64_t number, const TileLists& lists,
+                               std::uint32_t triangle, int share, int shares, double reach_sq) {
+  const auto& f = fields.field(number);
+  const Corners c = corners_of(f.mesh, triangle);
   const CellRange r = tiles_of(l, c);
   if (r.empty()) return;
   const LongTriangle<kTileSide> long_triangle(l, r, c.at);
   const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, all = tiles_in(r);
   for (std::int64_t at = 32 * share + static_cast<int>(threadIdx.x) % 32; at < all; at += 32 * shares) {
     const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
-    if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, l.tile(x, y, z), triangle))
-      stop_for_miscount(outcome);
+    if (long_triangle.reaches(l, x, y, z, reach_sq) &&
+        !use_tile<kPlace>(lists, fields.tile(number, x, y, z), triangle))
+      stop_for_miscount(f.outcome);
   }
 }
 
 /// Bins long triangles: warps stride over them, and over the shares of the huge ones.
-template <bool kPlace>
+template <bool kPlace, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kThreads)
-    bin_long(Lattice l, DeviceMesh mesh, TileLists lists, LongList long_ones, Outcome* outcome) {
-  if (outcome->stopped) return;
-  const double reach_sq = cell_reach_sq<kTileSide>(l);
+    bin_long(typename Fields::Lattices lattices, Fields fields, TileLists lists, LongList long_ones) {
+  if (fields.total()->stopped) return;
+  const double reach_sq_of_one = Fields::kMany ? 0 : cell_reach_sq<kTileSide>(fields.lattice(lattices, 0));
   const Counter count = long_ones.count[0], shares = long_ones.count[1] * kWarpsPerHuge;
   const Counter first = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32,
                 step = std::int64_t{gridDim.x} * (blockDim.x / 32);
   for (Counter n = first; n < count + shares; n += step) {
     // Begin with the huge ones: they take longest.
     const bool is_huge = n < shares;
-    const std::uint32_t triangle =
-        is_huge ? long_ones.triangles[long_ones.capacity - 1 - static_cast<std::int64_t>(n / kWarpsPerHuge)]
-                : long_ones.triangles[n - shares];
-    bin_share<kPlace>(l, mesh, lists, triangle, is_huge ? static_cast<int>(n % kWarpsPerHuge) : 0,
-                      is_huge ? kWarpsPerHuge : 1, reach_sq, outcome);
+    const std::uint32_t listed =
+        is_huge ? long_ones.numbers[long_ones.capacity - 1 - static_cast<std::int64_t>(n / kWarpsPerHuge)]
+                : long_ones.numbers[n - shares];
+    const std::int64_t number = fields.field_of(listed);
+    if (fields.has_stopped_alone(number)) continue;
+    const Lattice& l = fields.lattice(lattices, number);
+    const double reach_sq = Fields::kMany ? cell_reach_sq<kTileSide>(l) : reach_sq_of_one;
+    bin_share<kPlace>(l, fields, number, lists, fields.triangle(number, listed),
+                      is_huge ? static_cast<int>(n % kWarpsPerHuge) : 0, is_huge ? kWarpsPerHuge : 1, reach_sq);
   }
 }
 
-/// After the second pass: stops if it placed fewer triangles than were counted. The beginning of such a list was never
-/// written, and may hold anything. A thread per tile.
-STANDOFF_KERNEL void check_lists(const std::uint32_t* counts, std::int64_t tiles, Outcome* outcome) {
-  const std::int64_t tile = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (tile < tiles && !outcome->stopped && counts[tile] != 0) stop_for_miscount(outcome);
+/// After the second pass: stops a field if it placed fewer triangles than were counted. The beginning of such a list was
+/// never written, and may hold anything. A thread per tile.
+template <class Fields>
+STANDOFF_KERNEL void check_lists(Fields fields, const std::uint32_t* counts) {
+  const std::int64_t index = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (index >= tile_count_of(fields) || fields.total()->stopped || counts[index] == 0) return;
+  std::int64_t tile[3];
+  const std::int64_t number = find_tile(fields, index, tile);
+  if (!fields.has_stopped_alone(number)) stop_for_miscount(fields.field(number).outcome);
 }
 
 STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {

@@ -44,9 +44,18 @@ STANDOFF_DEVICE Found<kNearest> nothing_found(const Lattice& l) {
 inline constexpr int kFoundRow = kTileSide + 1;
 STANDOFF_DEVICE int found_at(int x, int y, int z) { return x + kFoundRow * (y + kTileSide * z); }
 
+/// Of many fields, the one that has the block's item: a copy of what lies far away in device memory.
+struct StagedField {
+  std::int64_t number;
+  alignas(8) unsigned char bytes[sizeof(PlacedField)];
+};
+struct NoStagedField {};
+
 /// The shared memory of a block.
-template <bool kNearest>
+template <bool kNearest, class Fields>
 struct BandTile {
+  static constexpr bool kWithNearest = kNearest, kMany = Fields::kMany;
+  std::conditional_t<Fields::kMany, StagedField, NoStagedField> staged;
   WorkItem item;
   int has_item;
   unsigned band;  // the number of samples in the band
@@ -75,10 +84,44 @@ STANDOFF_DEVICE std::uint32_t warp_or(std::uint32_t bits) {
 #endif
 }
 
+/// Copies field `number` to shared memory, if there are many. All threads of the block take part.
+template <class Tile, class Fields>
+STANDOFF_DEVICE void stage_field(const Fields& fields, Tile& tile) {
+  if constexpr (Fields::kMany) {
+    static_assert(sizeof(PlacedField) % 4 == 0);
+    const auto* const from = reinterpret_cast<const unsigned char*>(fields.all + tile.staged.number);
+    for (unsigned n = 4 * threadIdx.x; n < sizeof(PlacedField); n += 4 * kBandThreads)
+      __builtin_memcpy(tile.staged.bytes + n, from + n, 4);
+  }
+}
+/// Calls use(lattice, field) with the field of the block's item: from where it lies, or, if there are many, from shared
+/// memory once it is there.
+//
+// They are handed down, not returned: nvcc 13 copies a kernel's parameters if a function returns references to them, and
+// gather_band then spills a tenth more.
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_far_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
+                                    Use use) {
+  if constexpr (Fields::kMany)
+    use(fields.all[tile.staged.number].lattice, fields.all[tile.staged.number]);
+  else
+    use(lattices, fields);
+}
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_staged_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
+                                       Use use) {
+  if constexpr (Fields::kMany) {
+    const auto& staged = *reinterpret_cast<const PlacedField*>(tile.staged.bytes);
+    use(staged.lattice, staged);
+  } else {
+    use(lattices, fields);
+  }
+}
+
 /// Measures from a row of samples to a staged triangle; returns the number of samples.
-template <bool kNearest, class Steps>
-STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, int n, unsigned row,
-                                     BandTile<kNearest>& tile) {
+template <class Steps, class Tile>
+STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, int n, unsigned row, Tile& tile) {
+  constexpr bool kNearest = Tile::kWithNearest;
   const StagedRows rows = stage.rows[n];
   const int x = static_cast<int>(rows.box & 15), nx = static_cast<int>(rows.box >> 4 & 15),
             ny = static_cast<int>(rows.box >> 12 & 15);
@@ -95,9 +138,10 @@ STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, i
     const std::uint32_t triangle = kNearest ? stage.triangle[n] : 0;
     const float* const px = tile.view.coordinate[0] + x;
     Found<kNearest>* const at = tile.found + found_at(x, y, z);
+    const float thickness_sq = l.thickness_sq;
     for (int i = 0; i < nx; ++i) {
       const float d = frame_distance_sq(f, fma(px[i], f.q.g.x, q0), fma(px[i], f.y.g.x, y0), fma(px[i], f.z.g.x, z0));
-      if (d <= l.thickness_sq) atomicMin(at + i, found<kNearest>(d, triangle));
+      if (d <= thickness_sq) atomicMin(at + i, found<kNearest>(d, triangle));
     }
   }
   return static_cast<unsigned>(nx);
@@ -105,9 +149,8 @@ STANDOFF_DEVICE unsigned measure_row(const Lattice& l, const BandStage& stage, i
 
 /// Measures the staged short triangles, which have `count` rows. All lanes take part; each returns the number of
 /// samples that it measured from.
-template <bool kNearest, class Steps>
-STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, unsigned count,
-                                     BandTile<kNearest>& tile) {
+template <class Steps, class Tile>
+STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, unsigned count, Tile& tile) {
   const unsigned lane = threadIdx.x % 32;
   const unsigned first_row = stage.rows[lane].number & 0xffff;  // the first row of this lane's triangle
   unsigned measured = 0;
@@ -117,16 +160,16 @@ STANDOFF_DEVICE unsigned gather_rows(const Lattice& l, const BandStage& stage, u
     const std::uint32_t begin = warp_or(ahead < 32 ? 1u << ahead : 0);
     const int n = begun + __popc(begin & (0xffffffffu >> (31 - lane))) - 1;
     begun += __popc(begin);
-    if (first + lane < count) measured += measure_row<kNearest, Steps>(l, stage, n, first + lane, tile);
+    if (first + lane < count) measured += measure_row<Steps>(l, stage, n, first + lane, tile);
   }
   return measured;
 }
 
 /// Measures the staged long triangles from kGroups of the tile's groups of samples: from all groups, or from a warp's
 /// share of them. All lanes take part; each returns the number of samples that it measured from.
-template <bool kNearest, class Steps, int kGroups>
-STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int first_group,
-                                     BandTile<kNearest>& tile) {
+template <class Steps, int kGroups, class Tile>
+STANDOFF_DEVICE unsigned gather_long(const Lattice& l, const BandStage& stage, int first_group, Tile& tile) {
+  constexpr bool kNearest = Tile::kWithNearest;
   constexpr int kAtOnce = 32 / kGroups;  // triangles at once: a lane for each triangle and group
   const int lane = static_cast<int>(threadIdx.x) % 32, count = stage.long_count;
   const float* const x = tile.view.coordinate[0];
@@ -172,9 +215,9 @@ STANDOFF_DEVICE std::uint32_t without_lowest(std::uint32_t bits, int count) {
 ///
 /// In a short list, which is staged at once, one warp may have all long triangles. So all warps measure them, each from
 /// a quarter of the samples. In a longer list each warp has some, and none waits for another.
-template <bool kNearest, class Steps>
+template <class Steps, class Tile>
 STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const std::uint32_t* entries,
-                                     BandTile<kNearest>& tile) {
+                                     Tile& tile) {
   const int warp = static_cast<int>(threadIdx.x) / 32, lane = static_cast<int>(threadIdx.x) % 32;
   BandStage& stage = tile.stage[warp];
   const std::uint32_t count = tile.item.count, rounds = (count + kBandThreads - 1) / kBandThreads,
@@ -188,14 +231,14 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
     if constexpr (Steps::kSetsUp) {
       const Staged32 staged = stage_short(l, mesh, tile.view, triangle, here, stage);
       if constexpr (Steps::kFindsRows)
-        measured += gather_rows<kNearest, Steps>(l, stage, staged.rows, tile);
+        measured += gather_rows<Steps>(l, stage, staged.rows, tile);
       else
         measured += Steps::uses(stage.frame[lane].number[staged.rows % 20]);
       __syncwarp();
       long_ones = staged.is_long;
       while (rounds > 1 && long_ones) {
         const int staged_ones = stage_long(l, mesh, tile.view, triangle, long_ones, stage);
-        if constexpr (Steps::kFindsRows) measured += gather_long<kNearest, Steps, 16>(l, stage, 0, tile);
+        if constexpr (Steps::kFindsRows) measured += gather_long<Steps, 16>(l, stage, 0, tile);
         __syncwarp();
         long_ones = without_lowest(long_ones, staged_ones);
       }
@@ -212,7 +255,7 @@ STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, c
     if (all == 0) return measured;
     if constexpr (Steps::kFindsRows)
       for (int n = 0; n < kBandWarps; ++n)
-        measured += gather_long<kNearest, Steps, 16 / kBandWarps>(l, tile.stage[n], 16 / kBandWarps * warp, tile);
+        measured += gather_long<Steps, 16 / kBandWarps>(l, tile.stage[n], 16 / kBandWarps * warp, tile);
     __syncthreads();
   }
 }
@@ -257,8 +300,8 @@ STANDOFF_DEVICE unsigned finish_band(const Lattice& l, const std::int64_t* tile,
 }
 
 /// Merges the results of a part of a list into the results of all parts. All threads of the block take part.
-template <bool kNearest>
-STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile, Found<kNearest>* into) {
+template <bool kNearest, class Tile>
+STANDOFF_DEVICE void merge_part(const Lattice& l, const Tile& tile, Found<kNearest>* into) {
   const auto nothing = nothing_found<kNearest>(l);
   for (int s = static_cast<int>(threadIdx.x); s < kTileSamples; s += kBandThreads) {
     const Found<kNearest> best = tile.found[found_at(s % 8, s / 8 % 8, s / 64)];
@@ -266,13 +309,19 @@ STANDOFF_DEVICE void merge_part(const Lattice& l, const BandTile<kNearest>& tile
   }
 }
 
+/// Adds a block's counts, of each lane's measured samples and of the first thread's samples in the band, to an outcome.
+STANDOFF_DEVICE void add_counts(Outcome* outcome, Counter measured, Counter band) {
+  for (int step = 16; step > 0; step /= 2) measured += __shfl_xor_sync(0xffffffffu, measured, step);
+  if (threadIdx.x % 32 == 0 && measured) atomicAdd(&outcome->samples_examined, measured);
+  if (threadIdx.x == 0 && band) atomicAdd(&outcome->samples_band, band);
+}
+
 /// Blocks take items until none is left. A tile whose list was cut is finished later, by finish_cut_tiles.
-template <bool kNearest, class Steps = AllSteps>
+template <bool kNearest, class Steps, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
-    gather_band(Lattice l, DeviceMesh mesh, const std::uint32_t* entries, BandWork work, DeviceOutput output,
-                Outcome* outcome) {
-  __shared__ BandTile<kNearest> tile;
-  if (outcome->stopped) return;
+    gather_band(typename Fields::Lattices lattices, Fields fields, const std::uint32_t* entries, BandWork work) {
+  __shared__ BandTile<kNearest, Fields> tile;
+  if (fields.total()->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
   const Counter items = work.size();
   Counter mine = t == 0 ? atomicAdd(&work.counts->taken, Counter{1}) : 0;
@@ -282,6 +331,7 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
       tile.has_item = mine < items;
       if (mine < items) {
         tile.item = work.at(mine);
+        if constexpr (Fields::kMany) tile.staged.number = fields.unstack(tile.item.tile);
         mine = atomicAdd(&work.counts->taken, Counter{1});  // take the next item early: it is known when needed
       }
       tile.band = 0;
@@ -289,46 +339,57 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
     __syncthreads();
     if (!tile.has_item) break;
     if (tile.item.count == 0) {
-      if constexpr (Steps::kWrites) fill_tiles(l, tile.item, output);
+      with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+        if constexpr (Steps::kWrites) fill_tiles(l, tile.item, field.output);
+      });
       __syncthreads();
       continue;
     }
-    view_tile(l, tile.item.tile, tile.view);
-    for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads)
-      tile.found[n] = nothing_found<kNearest>(l);
+    stage_field(fields, tile);
+    with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto&) {
+      view_tile(l, tile.item.tile, tile.view);
+      const auto nothing = nothing_found<kNearest>(l);
+      for (int n = t; n < kFoundRow * kTileSide * kTileSide; n += kBandThreads) tile.found[n] = nothing;
+    });
     __syncthreads();
-    measured += gather_item<kNearest, Steps>(l, mesh, entries, tile);
-    if (tile.item.cut != kWhole)
-      merge_part(l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
-    else
-      band += finish_band<kNearest, Steps>(l, tile.item.tile, tile.view.inside, &tile.band, output,
-                                           [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+    with_staged_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+      measured += gather_item<Steps>(l, field.mesh, entries, tile);
+      if (tile.item.cut != kWhole)
+        merge_part<kNearest>(
+            l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
+      else
+        band += finish_band<kNearest, Steps>(l, tile.item.tile, tile.view.inside, &tile.band, field.output,
+                                             [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+      if constexpr (Fields::kMany) {
+        add_counts(field.outcome, measured, band);
+        measured = band = 0;
+      }
+    });
     __syncthreads();
   }
-  for (int step = 16; step > 0; step /= 2) measured += __shfl_xor_sync(0xffffffffu, measured, step);
-  if (t % 32 == 0 && measured) atomicAdd(&outcome->samples_examined, measured);
-  if (t == 0 && band) atomicAdd(&outcome->samples_band, band);
+  if constexpr (!Fields::kMany) add_counts(fields.total(), measured, band);
 }
 
 /// Finishes the tiles whose lists were cut; blocks stride over them.
-template <bool kNearest, class Steps = AllSteps>
+template <bool kNearest, class Steps, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
-    finish_cut_tiles(Lattice l, BandWork work, DeviceOutput output, Outcome* outcome) {
+    finish_cut_tiles(typename Fields::Lattices lattices, Fields fields, BandWork work) {
   __shared__ unsigned band;
-  if (outcome->stopped) return;
-  Counter all = 0;
+  if (fields.total()->stopped) return;
   for (Counter n = blockIdx.x; n < work.counts->cut; n += gridDim.x) {
     const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
     std::int64_t tile[3];
-    tile_at(l, work.cut_tiles[n], tile);
+    const std::int64_t number = find_tile(fields, work.cut_tiles[n], tile);
+    const Lattice& l = fields.lattice(lattices, number);
+    const auto& field = fields.field(number);
     const int within[3] = {inside<kTileSide>(l, tile, 0), inside<kTileSide>(l, tile, 1), inside<kTileSide>(l, tile, 2)};
     if (threadIdx.x == 0) band = 0;
     __syncthreads();
-    all += finish_band<kNearest, Steps>(l, tile, within, &band, output,
-                                        [&](int x, int y, int z) { return from[x + 8 * y + 64 * z]; });
+    const unsigned in_band = finish_band<kNearest, Steps>(
+        l, tile, within, &band, field.output, [&](int x, int y, int z) { return from[x + 8 * y + 64 * z]; });
+    add_counts(field.outcome, 0, in_band);
     __syncthreads();
   }
-  if (threadIdx.x == 0 && all) atomicAdd(&outcome->samples_band, all);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -25,23 +25,29 @@ namespace standoff::STANDOFF_PLATFORM {
 
 inline std::int64_t blocks_for(std::int64_t items) { return (items + kThreads - 1) / kThreads; }
 
-/// The arrays of every pipeline: which tiles are used, and scratch memory for running sums over the tiles.
-struct TileArrays {
+/// Scratch memory for running sums over the tiles.
+struct TileSums {
+  void* scratch;
+  std::int64_t scratch_bytes;
+
+  TileSums(gpu::Workspace& memory, std::int64_t tiles) : scratch_bytes(running_sum_bytes(tiles + 1)) {
+    scratch = memory.take<char>(scratch_bytes);
+  }
+  void sum(const std::uint32_t* counts, Counter* start, std::int64_t count, Stream stream) const {
+    running_sum(stream, scratch, scratch_bytes, counts, start, count);
+  }
+};
+
+/// The arrays of every pipeline of one field: which tiles are used, and running sums over the tiles.
+struct TileArrays : TileSums {
   std::uint32_t* used;  // per tile, and a zero behind the last
   Counter* rank;        // their running sum
-  void* sum_scratch;
-  std::int64_t sum_scratch_bytes;
 
   TileArrays(gpu::Workspace& memory, std::int64_t tiles)
-      : used(memory.take<std::uint32_t>(tiles + 1)),
-        rank(memory.take<Counter>(tiles + 1)),
-        sum_scratch_bytes(running_sum_bytes(tiles + 1)) {
-    sum_scratch = memory.take<char>(sum_scratch_bytes);
-  }
+      : TileSums(memory, tiles),
+        used(memory.take<std::uint32_t>(tiles + 1)),
+        rank(memory.take<Counter>(tiles + 1)) {}
 
-  void sum(const std::uint32_t* counts, Counter* start, std::int64_t count, Stream stream) const {
-    running_sum(stream, sum_scratch, sum_scratch_bytes, counts, start, count);
-  }
   /// Gives slots to the tiles marked as used.
   void give(const Lattice& l, const Task& task, Stream stream) const {
     const std::int64_t tiles = l.tile_count();
@@ -73,61 +79,96 @@ inline void launch_gather(const Lattice& l, const Task& task, const GatherLists&
          lists, task.output, task.outcome);
 }
 
-/// Thin bands: triangles are counted in the tiles that they reach, then listed there.
-struct ThinBand {
+/// Thin bands, of one field or of many (field_set.cuh): triangles are counted in the tiles that they reach, then listed
+/// there.
+struct BandLists {
   static constexpr std::int64_t kBytesPerEntry = 4;
-  TileArrays tiles;
   TileLists lists;
   LongList long_ones;
   BandWork work;
 
-  ThinBand(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
-      : tiles(memory, l.tile_count()) {
-    lists.counts = memory.take<std::uint32_t>(l.tile_count() + 1);
-    lists.start = memory.take<Counter>(l.tile_count() + 1);
+  BandLists(gpu::Workspace& memory, std::int64_t triangles, std::int64_t tiles, std::int64_t entries) {
+    lists.counts = memory.take<std::uint32_t>(tiles + 1);
+    lists.start = memory.take<Counter>(tiles + 1);
     lists.entries = memory.take<std::uint32_t>(entries);
     lists.capacity = static_cast<Counter>(entries);
-    long_ones.triangles = memory.take<std::uint32_t>(triangles);
+    long_ones.numbers = memory.take<std::uint32_t>(triangles);
     long_ones.capacity = triangles;
     long_ones.count = memory.take<Counter>(2);
-    work.capacity = l.tile_count() + tile_groups(l) + kMostParts;
+    work.capacity = tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
     work.items = memory.take<WorkItem>(work.capacity);
-    work.most_cut = l.tile_count() < kMostParts ? l.tile_count() : kMostParts;
+    work.most_cut = tiles < kMostParts ? tiles : kMostParts;
     work.cut_tiles = memory.take<std::int64_t>(work.most_cut);
     work.found = memory.take<Counter>(work.most_cut * kTileSamples);
     work.counts = memory.take<WorkCounts>(1);
   }
 
+  void clear(Outcome* outcome, Stream stream) const {
+    launch(stream, "clear", clear_outcome, 1, 1, outcome, long_ones.count, 2);
+  }
+
+  /// First half: counts the triangles of each tile. Lists nothing.
+  template <class Fields>
+  void count_all(const typename Fields::Lattices& lattices, const Fields& fields, const TileSums& tiles,
+                 Stream stream) const {
+    const std::int64_t all = tile_count_of(fields), per_triangle = triangle_blocks(fields);
+    fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
+    launch(stream, "count small", bin_small<false, Fields>, per_triangle, kThreads, lattices, fields, lists,
+           long_ones);
+    launch(stream, "count long", bin_long<false, Fields>, kManyBlocks, kThreads, lattices, fields, lists,
+           long_ones);
+    tiles.sum(lists.counts, lists.start, all + 1, stream);
+    launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, fields.total());
+  }
+
+  /// Second half: writes the lists, and the fields from them. `fills`: also tiles without triangles.
+  template <class Steps, bool kNearest, class Fields>
+  void fill_all(const typename Fields::Lattices& lattices, const Fields& fields, bool fills, Stream stream) const {
+    const std::int64_t per_triangle = triangle_blocks(fields);
+    launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists,
+           long_ones);
+    launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
+    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields,
+           lists.counts);
+    fill_bytes(stream, work.counts, 0, sizeof *work.counts);
+    fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
+    launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
+           work, fills);
+    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices,
+           fields, lists.entries, work);
+    launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, Steps, Fields>,
+           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, lattices, fields, work);
+  }
+
+ private:
+  template <class Fields>
+  static std::int64_t triangle_blocks(const Fields& fields) {
+    return std::max<std::int64_t>(1, blocks_for(fields.triangle_count()));  // many meshes may all be empty
+  }
+};
+
+/// A thin band.
+struct ThinBand : BandLists {
+  TileArrays tiles;
+
+  ThinBand(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t entries)
+      : BandLists(memory, triangles, l.tile_count(), entries), tiles(memory, l.tile_count()) {}
+
   /// First half: counts the triangles of each tile, and gives tiles their slots. Lists nothing.
   void count(const Lattice& l, const Task& task, Stream stream) const {
-    const std::int64_t all = l.tile_count(), per_triangle = blocks_for(task.mesh.used_count());
-    launch(stream, "clear", clear_outcome, 1, 1, task.outcome, long_ones.count, 2);
-    fill_bytes(stream, lists.counts, 0, (all + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "count small", bin_small<false>, per_triangle, kThreads, l, task.mesh, lists, long_ones,
-           task.outcome);
-    launch(stream, "count long", bin_long<false>, kManyBlocks, kThreads, l, task.mesh, lists, long_ones, task.outcome);
-    tiles.sum(lists.counts, lists.start, all + 1, stream);
-    launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, task.outcome);
+    clear(task.outcome, stream);
+    count_all(l, OneField(l, task), tiles, stream);
     if (task.output.slots) tiles.give(l, task, lists.start, stream);
   }
 
   /// Second half: writes the lists, and the field from them.
   template <class Steps = AllSteps>
   void fill(const Lattice& l, const Task& task, Stream stream) const {
-    const std::int64_t per_triangle = blocks_for(task.mesh.used_count());
-    launch(stream, "list small", bin_small<true>, per_triangle, kThreads, l, task.mesh, lists, long_ones, task.outcome);
-    launch(stream, "list long", bin_long<true>, kManyBlocks, kThreads, l, task.mesh, lists, long_ones, task.outcome);
-    launch(stream, "check lists", check_lists, blocks_for(l.tile_count()), kThreads, lists.counts, l.tile_count(),
-           task.outcome);
-    fill_bytes(stream, work.counts, 0, sizeof *work.counts);
-    fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
-    launch(stream, "list work", list_work, blocks_for(32 * tile_groups(l)), kThreads, l, lists.start, work,
-           !task.output.slots, task.outcome);
-    const bool with_nearest = task.output.nearest;
-    launch(stream, "gather band", with_nearest ? gather_band<true, Steps> : gather_band<false, Steps>, kManyBlocks * 2,
-           kBandThreads, l, task.mesh, lists.entries, work, task.output, task.outcome);
-    launch(stream, "finish cut tiles", with_nearest ? finish_cut_tiles<true, Steps> : finish_cut_tiles<false, Steps>,
-           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, l, work, task.output, task.outcome);
+    const OneField field(l, task);
+    if (task.output.nearest)
+      fill_all<Steps, true>(l, field, !task.output.slots, stream);
+    else
+      fill_all<Steps, false>(l, field, !task.output.slots, stream);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
@@ -229,12 +270,18 @@ auto with_tiles_pipeline(const Grid& grid, double thickness, Use use) {
 // Bytes that the alignment of arrays may waste.
 inline constexpr std::int64_t kAlignmentLoss = 4096;
 
+/// Bytes of a workspace beside the lists' entries; `sizes` are what the pipeline's constructor takes.
+template <class Pipeline, class... Sizes>
+std::int64_t bytes_beside_entries(const Sizes&... sizes) {
+  gpu::Workspace memory(nullptr);
+  const Pipeline arrays(memory, sizes..., 0);
+  return memory.used() + kAlignmentLoss;
+}
+
 /// Bytes of a workspace for `entries` list entries, plus one entry per triangle.
 template <class Pipeline>
 std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t entries) {
-  gpu::Workspace memory(nullptr);
-  const Pipeline arrays(memory, triangles, l, 0);
-  return memory.used() + std::max(entries, triangles) * Pipeline::kBytesPerEntry + kAlignmentLoss;
+  return bytes_beside_entries<Pipeline>(triangles, l) + std::max(entries, triangles) * Pipeline::kBytesPerEntry;
 }
 
 /// Throws Error{usage} if a task is not valid.
@@ -262,14 +309,16 @@ inline void check_workspace(const void* workspace, std::int64_t bytes, std::int6
          " at least; ask workspace_bytes()");
 }
 
-/// A pipeline in a workspace; its lists get all remaining memory. Requires a checked task and workspace.
+/// A pipeline in a workspace that is large enough; its lists get all remaining memory.
+template <class Pipeline, class... Sizes>
+Pipeline filling(void* workspace, std::int64_t bytes, const Sizes&... sizes) {
+  gpu::Workspace memory(workspace);
+  return Pipeline(memory, sizes..., (bytes - bytes_beside_entries<Pipeline>(sizes...)) / Pipeline::kBytesPerEntry);
+}
+/// The same for a checked task and workspace.
 template <class Pipeline>
 Pipeline in_workspace(const Task& task, const Lattice& l, void* workspace, std::int64_t bytes) {
-  const std::int64_t triangles = task.mesh.used_count();
-  gpu::Workspace measure(nullptr), memory(workspace);
-  const Pipeline empty(measure, triangles, l, 0);
-  const std::int64_t entries = (bytes - measure.used() - kAlignmentLoss) / Pipeline::kBytesPerEntry;
-  return Pipeline(memory, triangles, l, entries);
+  return filling<Pipeline>(workspace, bytes, task.mesh.used_count(), l);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -38,17 +38,18 @@ struct Listed {
   std::vector<Counter> start;
   std::vector<WorkItem> items;
   std::vector<std::int64_t> cut_tiles = std::vector<std::int64_t>(kTiles);
+  Outcome outcome{};
   Lattice lattice = make_lattice({{317, 24, 16}, {0, 0, 0}, {1, 1, 1}}, 1);
+  OneField field{lattice, {{}, {}, 0, Method::tiles, {}, &outcome}};
   WorkCounts counts{};
   BandWork work{};
 
   Listed(const std::vector<Counter>& lengths, bool fills) : start(lengths.size() + 1) {
     std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
-    items.resize(static_cast<std::size_t>(kTiles + tile_groups(lattice) + kMostParts));
+    items.resize(static_cast<std::size_t>(kTiles + kMostParts));
     work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, kTiles, &counts};
-    Outcome outcome{};
-    launch(nullptr, "list work", list_work, blocks_for(32 * tile_groups(lattice)), kThreads, lattice, start.data(),
-           work, fills, &outcome);
+    launch(nullptr, "list work", list_work<OneField>, blocks_for(32 * tile_groups(field)), kThreads, field, start.data(),
+           work, fills);
   }
 };
 

@@ -41,7 +41,7 @@ TEST(CudaLists, AMeshThatChangesBetweenThePassesIsNoticed) {
     ASSERT_EQ(outcome.stopped, 0u);
     std::copy(here.vertices.begin(), here.vertices.end(), mesh.vertices.begin());
     // The long ones were listed in the first pass.
-    if (!leaves) std::iota(arrays.long_ones.triangles, arrays.long_ones.triangles + 30, 0u);
+    if (!leaves) std::iota(arrays.long_ones.numbers, arrays.long_ones.numbers + 30, 0u);
     if (!leaves && longest > 1) *arrays.long_ones.count = 30;
     arrays.fill(l, task, nullptr);
     EXPECT_NE(outcome.stopped, 0u);
