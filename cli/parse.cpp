@@ -294,6 +294,17 @@ Colormap parse_colormap(const std::string& option, const std::string& text) {
   return maps[parse_choice(option, text, {"auto", "diverging", "viridis", "thesis"})];
 }
 
+std::vector<double> parse_screw(const std::string& option, const std::string& text) {
+  return read_or_reject(option, text, [&] {
+    std::vector<double> numbers = numbers_in(text);
+    if (numbers.size() == 7) numbers.push_back(0);
+    if (numbers.size() != 8) throw Error(ErrorCode::usage, "give seven numbers or eight: x,y,z,ax,ay,az,degrees,along");
+    if (numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
+      throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
+    return numbers;
+  });
+}
+
 Pose parse_pose(const std::string& option, const std::string& text) {
   return read_or_reject(option, text, [&] { return pose_of(numbers_in(text)); });
 }

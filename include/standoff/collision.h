@@ -6,6 +6,7 @@
 // `apply(pose, corner)`, rounded to double.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -168,15 +169,31 @@ struct ContactResult {
 STANDOFF_API ContactResult contacts(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                     const ContactOptions& options = {});
 
+/// The largest angle that a motion may turn by, radians: some 1.6 million turns.
+inline constexpr double kMaxTurnRad = 1e7;
+/// How far an entry of the last pose's matrix may be from that of the first pose turned by a motion's axis and angle.
+inline constexpr double kTurnTolerance = 1e-5;
+
 /// A rigid motion during time 0 to 1, between two poses: the body's point `center` moves on a straight line with
-/// constant velocity, and the body turns about an axis through it with constant angular velocity. The rotation between
-/// the two poses is the shorter one (at most 180 degrees); split longer rotations.
+/// constant velocity, and the body turns about an axis through it with constant angular velocity. Without an axis the
+/// rotation between the two poses is the shorter one (at most 180 degrees). With an axis the body turns by the given
+/// angle, through any number of turns: two poses alone do not say how many. screw_motion() makes such a motion.
 struct RigidMotion {
   Pose start, end;
-  Vec3 center;  ///< a point of the body, in body coordinates; no coordinate is beyond kMaxPosition
+  Vec3 center;     ///< a point of the body, in body coordinates; no coordinate is beyond kMaxPosition
+  Vec3 axis = {};  ///< in the world, of any length; zero: the shorter rotation
+  /// The rotation from `start` to `end` about `axis`, right-handed, -kMaxTurnRad to kMaxTurnRad; 0 if there is no axis.
+  /// The rotation of `end` is that of `start` turned so, within kTurnTolerance.
+  double angle_rad = 0;
 };
 
-/// The pose at time t in [0, 1].
+/// A motion that begins at `start`: the body turns by `angle_rad` about the axis through `point` of the world, any
+/// number of turns, and moves by `along` in the direction of the axis. The rotation is right-handed; world units and
+/// radians. Errors: usage (a pose that is not rigid, a zero axis, an angle beyond kMaxTurnRad, numbers that are not
+/// finite, or an end or a center beyond kMaxPosition).
+STANDOFF_API RigidMotion screw_motion(const Pose& start, Vec3 point, Vec3 axis, double angle_rad, double along = 0);
+
+/// The pose at time t in [0, 1]. Errors: usage (a motion or a time that is not valid).
 STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 
 struct SweepOptions {
@@ -210,10 +227,42 @@ struct SweepResult {
 /// When the moving body b first touches the resting body a, by conservative advancement (docs/sweep.md). If the bodies
 /// touch during the motion, the result is a hit, at any speed. If they pass within the tolerance without touching, it
 /// may be a hit. If they start within the tolerance and all of their triangles only move apart, it is not a hit.
-/// Errors: as collide; usage also for motions some 1e14 times as long as the bodies, for which rounding of the time is
-/// too large.
+/// Errors: as collide; usage also for motions that pose_at() does not take, and for motions some 1e14 times as long as
+/// the bodies, for which rounding of the time is too large.
 STANDOFF_API SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                                const SweepOptions& options = {});
+
+struct PathSweepResult {
+  std::int64_t motion = 0;  ///< the motion in which the sweep ended, from 0; the last one if there is no hit
+  SweepResult sweep;        ///< of that motion; b intersects a in no motion before it
+};
+
+/// sweep() along motions, one after the other. A motion begins where the one before ends: no point of b may jump there
+/// by more than a quarter of the tolerance. `max_steps` counts the steps of all motions together. A path of one motion
+/// has the answer of sweep(). Errors: as sweep; usage also for a path without motions, and for the first motion that
+/// does not begin where the one before ends.
+STANDOFF_API PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const Body& b,
+                                        std::span<const RigidMotion> path, const SweepOptions& options = {});
+
+/// A motion along a curve during time 0 to 1: the body's point `center` follows a cubic Bezier curve, and the body
+/// turns about an axis through it with constant angular velocity.
+struct SplineMotion {
+  Pose start = {};
+  Vec3 center = {};                  ///< a point of the body, in body coordinates
+  std::array<Vec3, 3> control = {};  ///< the curve's other control points, in the world; `start` places the first
+  Vec3 axis = {};                    ///< in the world, of any length; zero: the body does not turn
+  double angle_rad = 0;              ///< right-handed about the axis; -kMaxTurnRad to kMaxTurnRad
+};
+
+/// The pose at time t in [0, 1]. Errors: usage (a start that is not rigid, an angle without an axis or beyond
+/// kMaxTurnRad, coordinates that are not finite or beyond kMaxPosition, a time outside [0, 1]).
+STANDOFF_API Pose spline_pose_at(const SplineMotion& motion, double t);
+
+/// sweep() along a curve. The curve is swept in pieces, as chords, with a bound of its distance from them: no contact
+/// is missed. If the bodies start within the tolerance, it is a hit at time 0. `max_steps` counts the steps of all
+/// pieces. Errors: as sweep and spline_pose_at.
+STANDOFF_API SweepResult sweep_spline(const Body& a, const Pose& pose_a, const Body& b, const SplineMotion& motion,
+                                      const SweepOptions& options = {});
 
 /// How the queries of a batch were decided.
 struct BatchReport {

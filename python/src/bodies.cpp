@@ -82,37 +82,85 @@ nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, 
                         triangle_b.finish());
 }
 
-// hit, time, point, normal, triangle_a, triangle_b, finished
+// The arrays of the answers of sweeps.
+struct SweepArrays {
+  NewArray<std::uint8_t> hit, finished;
+  NewArray<double> time, point, normal;
+  NewArray<std::uint32_t> triangle_a, triangle_b;
+
+  explicit SweepArrays(std::size_t count)
+      : hit({count}),
+        finished({count}),
+        time({count}),
+        point({count, 3}),
+        normal({count, 3}),
+        triangle_a({count}),
+        triangle_b({count}) {}
+
+  void set(std::size_t n, const SweepResult& r) {
+    hit[n] = r.hit ? 1 : 0;
+    finished[n] = r.finished ? 1 : 0;
+    time[n] = r.time;
+    put(point, n, r.point);
+    put(normal, n, r.normal);
+    triangle_a[n] = r.triangle_a;
+    triangle_b[n] = r.triangle_b;
+  }
+  // hit, time, point, normal, triangle_a, triangle_b, finished
+  nb::tuple finish() {
+    return nb::make_tuple(hit.finish(), time.finish(), point.finish(), normal.finish(), triangle_a.finish(),
+                          triangle_b.finish(), finished.finish());
+  }
+};
+
+Vec3 vec_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+nb::tuple sweep_motions(const Body& a, const PoseInput& pose_a, const Body& b, std::span<const RigidMotion> motions,
+                        const SweepOptions& options, const Execution& execution, const nb::object& progress) {
+  const std::size_t count = motions.size();
+  SweepArrays arrays(count);
+  const Pose at = pose_of(pose_a, 0);
+  run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
+    const auto results = sweep_all(a, at, b, motions.subspan(first, last - first), options, execution).results;
+    for (std::size_t n = first; n < last; ++n) arrays.set(n, results[n - first]);
+  });
+  return arrays.finish();
+}
+
 nb::tuple sweep_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& from, const PoseInput& to,
                       std::array<double, 3> center, double tolerance, std::int64_t max_steps, int threads,
                       const std::string& device, const nb::object& progress) {
-  const std::size_t count = from.shape(0);
-  NewArray<std::uint8_t> hit({count}), finished({count});
-  NewArray<double> time({count}), point({count, 3}), normal({count, 3});
-  NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
-  const SweepOptions options{.tolerance = tolerance, .max_steps = max_steps};
-  const Execution execution = execution_of(threads, device);
-  const Pose at = pose_of(pose_a, 0);
   const std::vector<Pose> first_poses = poses_of(from), last_poses = poses_of(to);
-  std::vector<RigidMotion> motions(count);
-  for (std::size_t n = 0; n < count; ++n)
-    motions[n] = {first_poses[n], last_poses[n], {center[0], center[1], center[2]}};
-  run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
-    const auto results =
-        sweep_all(a, at, b, std::span(motions).subspan(first, last - first), options, execution).results;
-    for (std::size_t n = first; n < last; ++n) {
-      const SweepResult& r = results[n - first];
-      hit[n] = r.hit ? 1 : 0;
-      finished[n] = r.finished ? 1 : 0;
-      time[n] = r.time;
-      put(point, n, r.point);
-      put(normal, n, r.normal);
-      triangle_a[n] = r.triangle_a;
-      triangle_b[n] = r.triangle_b;
-    }
+  std::vector<RigidMotion> motions(first_poses.size());
+  for (std::size_t n = 0; n < motions.size(); ++n) motions[n] = {first_poses[n], last_poses[n], vec_of(center)};
+  return sweep_motions(a, pose_a, b, motions, {.tolerance = tolerance, .max_steps = max_steps},
+                       execution_of(threads, device), progress);
+}
+
+nb::tuple sweep_screws(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& starts,
+                       std::array<double, 3> point, std::array<double, 3> axis, double angle_rad, double along,
+                       double tolerance, std::int64_t max_steps, int threads, const std::string& device,
+                       const nb::object& progress) {
+  std::vector<RigidMotion> motions;
+  for (const Pose& start : poses_of(starts))
+    motions.push_back(screw_motion(start, vec_of(point), vec_of(axis), angle_rad, along));
+  return sweep_motions(a, pose_a, b, motions, {.tolerance = tolerance, .max_steps = max_steps},
+                       execution_of(threads, device), progress);
+}
+
+// The motion of the path, and the arrays of one sweep.
+nb::tuple sweep_along(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& poses,
+                      std::array<double, 3> center, double tolerance, std::int64_t max_steps) {
+  const Pose at = pose_of(pose_a, 0);
+  const std::vector<Pose> all = poses_of(poses);
+  std::vector<RigidMotion> path;
+  for (std::size_t n = 1; n < all.size(); ++n) path.push_back({all[n - 1], all[n], vec_of(center)});
+  const PathSweepResult found = watched(nb::none(), [&](const ProgressCallback&) {
+    return sweep_path(a, at, b, path, {.tolerance = tolerance, .max_steps = max_steps});
   });
-  return nb::make_tuple(hit.finish(), time.finish(), point.finish(), normal.finish(), triangle_a.finish(),
-                        triangle_b.finish(), finished.finish());
+  SweepArrays arrays(1);
+  arrays.set(0, found.sweep);
+  return nb::make_tuple(found.motion, arrays.finish());
 }
 
 // point, normal, depth, triangle_a, triangle_b, overflow
@@ -166,6 +214,10 @@ void add_bodies(nb::module_& m) {
         "limit"_a, "threads"_a, "progress"_a.none());
   m.def("sweep", &sweep_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "end"_a.noconvert(),
         "center"_a, "tolerance"_a, "max_steps"_a, "threads"_a, "device"_a, "progress"_a.none());
+  m.def("sweep_screw", &sweep_screws, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "point"_a, "axis"_a,
+        "angle_rad"_a, "along"_a, "tolerance"_a, "max_steps"_a, "threads"_a, "device"_a, "progress"_a.none());
+  m.def("sweep_path", &sweep_along, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "center"_a,
+        "tolerance"_a, "max_steps"_a);
   m.def("contacts", &contacts_of, "a"_a, "pose_a"_a.noconvert(), "b"_a, "pose_b"_a.noconvert(), "most"_a, "margin"_a);
 }
 

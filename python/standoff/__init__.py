@@ -19,11 +19,14 @@ from ._bodies import (
     Collisions,
     Contacts,
     Distances,
+    PathSweep,
     Sweeps,
     collide,
     contacts,
     distance_between,
     sweep,
+    sweep_path,
+    sweep_screw,
 )
 from ._compute import field
 from ._core import version as __version__
@@ -92,6 +95,7 @@ __all__ = [
     "SignWarning",
     "StoredField",
     "SurfaceWarning",
+    "PathSweep",
     "Sweeps",
     "UsageError",
     "VerifyError",
@@ -110,5 +114,7 @@ __all__ = [
     "report",
     "surface",
     "sweep",
+    "sweep_path",
+    "sweep_screw",
     "verify",
 ]

@@ -165,6 +165,17 @@ class Sweeps:
     known."""
 
 
+@dataclass(frozen=True, eq=False)
+class PathSweep:
+    """When a body that moves along a path first touches another one."""
+
+    motion: int
+    """The motion in which the sweep ended: that from pose ``motion`` to the next one. The last one if there is no
+    hit."""
+    sweep: Sweeps
+    """The answer in that motion, without dimensions; its time is from 0 to 1."""
+
+
 class _Poses:
     """Poses that a user passed: (n, 12) doubles, and how answers go back in their shape and library."""
 
@@ -185,6 +196,9 @@ class _Poses:
 
     def give(self, answers: np.ndarray) -> Any:
         return self._wrap(answers.reshape(self.shape + answers.shape[1:]))
+
+    def give_one(self, answers: np.ndarray) -> Any:
+        return self._wrap(answers.reshape(answers.shape[1:]))
 
 
 def _of_matrices(matrices: np.ndarray, what: str) -> np.ndarray:
@@ -328,6 +342,9 @@ def sweep(
 ) -> Sweeps:
     """When the moving body b first touches the resting body a. No hit is missed, at any speed.
 
+    b turns by the shorter rotation, at most 180 degrees. `sweep_screw` turns it further, and `sweep_path` moves it
+    through many poses.
+
     Args:
         a, b, pose_a: as for `collide`.
         start, end: poses of b at time 0 and 1, as for `collide`, equally many.
@@ -343,7 +360,7 @@ def sweep(
         raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
     point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
-        hit, time, touch, normal, triangle_a, triangle_b, finished = _core.sweep(
+        found = _core.sweep(
             body_a,
             _one(pose_a, "pose_a"),
             body_b,
@@ -355,8 +372,103 @@ def sweep(
             *runs_on(threads, device),
             report,
         )
+    return _sweeps(first.give, *found)
+
+
+def sweep_screw(
+    a: Body,
+    b: Body,
+    start: Any,
+    *,
+    axis: Any,
+    angle_rad: float,
+    along: float = 0.0,
+    point: Any = (0.0, 0.0, 0.0),
+    pose_a: Any = None,
+    tolerance: float = 0.0,
+    max_steps: int = 0,
+    threads: int = 0,
+    device: str = "auto",
+    progress: Progress = None,
+) -> Sweeps:
+    """As `sweep`, for a body that turns about an axis, any number of turns, and moves along it like a screw.
+
+    Args:
+        a, b, pose_a: as for `collide`.
+        start: poses of b at time 0, as for `collide`.
+        axis: the direction of the axis, in the world, of any length but zero.
+        angle_rad: how far b turns, right-handed about the axis, in radians; -1e7 to 1e7.
+        along: how far b moves in the direction of the axis, world units.
+        point: a point that the axis goes through, in the world.
+        tolerance, max_steps, threads, device, progress: as for `sweep`.
+
+    Raises:
+        ValueError: an axis without direction, an angle outside its range, or a number that is not finite.
+    """
+    body_a, body_b = _both(a, b)
+    first = _Poses(start, "start")
+    with progress_of(progress, "sweep") as report:
+        found = _core.sweep_screw(
+            body_a,
+            _one(pose_a, "pose_a"),
+            body_b,
+            first.array,
+            triple(to_numpy(point, "point"), "point"),
+            triple(to_numpy(axis, "axis"), "axis"),
+            number(angle_rad, "angle_rad"),
+            number(along, "along"),
+            number(tolerance, "tolerance"),
+            whole_number(max_steps, "max_steps"),
+            *runs_on(threads, device),
+            report,
+        )
+    return _sweeps(first.give, *found)
+
+
+def sweep_path(
+    a: Body,
+    b: Body,
+    poses: Any,
+    *,
+    pose_a: Any = None,
+    center: Any = (0.0, 0.0, 0.0),
+    tolerance: float = 0.0,
+    max_steps: int = 0,
+) -> PathSweep:
+    """When the body b, that moves from pose to pose, first touches the resting body a.
+
+    Between two poses b moves as in `sweep`. The first motion that hits is found; those after it are not looked at.
+
+    Args:
+        a, b, pose_a: as for `collide`.
+        poses: of b, two or more, as for `collide`.
+        center, tolerance: as for `sweep`.
+        max_steps: as for `sweep`, of all motions together.
+
+    Raises:
+        ValueError: fewer than two poses, or poses with more than one dimension.
+    """
+    body_a, body_b = _both(a, b)
+    way = _Poses(poses, "poses")
+    if len(way.shape) != 1 or way.shape[0] < 2:
+        raise ValueError(f"poses: must be a list of two poses or more, one after the other, not of shape {way.shape}")
+    motion, found = _core.sweep_path(
+        body_a,
+        _one(pose_a, "pose_a"),
+        body_b,
+        way.array,
+        triple(to_numpy(center, "center"), "center"),
+        number(tolerance, "tolerance"),
+        whole_number(max_steps, "max_steps"),
+    )
+    return PathSweep(motion, _sweeps(way.give_one, *found))
+
+
+def _sweeps(
+    give: Any, hit: Any, time: Any, point: Any, normal: Any, triangle_a: Any, triangle_b: Any, finished: Any
+) -> Sweeps:
     triangles = _triangles(triangle_a, triangle_b)
-    return Sweeps(*map(first.give, (hit == 1, time, touch, normal, *triangles, finished == 1)))
+    return Sweeps(*map(give, (hit == 1, time, point, normal, *triangles, finished == 1)))
 
 
 def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:

@@ -124,6 +124,40 @@ def test_sweeps():
     assert exact == pytest.approx(2 / 3, abs=1e-8)
 
 
+def test_sweeps_along_screws():
+    # The cube turns twice about z, at a distance, and rises by 3 towards the resting one, whose lower side is at -0.5.
+    starts = np.stack([pose((0, 0, -2)), pose((0, 0, 2)), pose((9, 0, 0))])
+    found = so.sweep_screw(CUBE, CUBE, starts, axis=(0, 0, 3), angle_rad=4 * np.pi, along=3)
+    np.testing.assert_array_equal(found.hit, [True, False, False])
+    assert found.time[0] == pytest.approx(1 / 3, abs=1e-4) and found.time[0] <= 1 / 3
+    # It flies about a point beside it: once around, twice around, and not far enough.
+    start = pose((9, 0, 0))
+    for angle_rad, hits in ((0.95 * np.pi, True), (-4 * np.pi, True), (0.3, False)):
+        assert so.sweep_screw(CUBE, CUBE, start, axis=(0, 0, 1), angle_rad=angle_rad, point=(4.5, 0, 0)).hit == hits
+    for words, options in (
+        ("axis needs a direction", {"axis": (0, 0, 0), "angle_rad": 1}),
+        ("radians", {"axis": (0, 0, 1), "angle_rad": 1e8}),
+        ("finite", {"axis": (0, 0, 1), "angle_rad": 1, "point": (np.inf, 0, 0)}),
+    ):
+        with pytest.raises(ValueError, match=words):
+            so.sweep_screw(CUBE, CUBE, start, **options)
+
+
+def test_sweeps_along_paths():
+    way = np.stack([pose((3, 3, 0)), pose((3, 0, 0)), pose((-3, 0, 0))])
+    found = so.sweep_path(CUBE, CUBE, way)
+    single = so.sweep(CUBE, CUBE, way[1], way[2])
+    assert found.motion == 1 and found.sweep.hit and found.sweep.hit.shape == ()
+    assert found.sweep.time == single.time and found.sweep.triangle_b == single.triangle_b
+    np.testing.assert_array_equal(found.sweep.point, single.point)
+    free = so.sweep_path(CUBE, CUBE, way[:2])
+    assert free.motion == 0 and not free.sweep.hit and free.sweep.finished
+    assert not so.sweep_path(CUBE, CUBE, way, max_steps=1).sweep.finished
+    for few in (way[:1], way[0], way[:0], way.reshape(1, 3, 4, 4)):
+        with pytest.raises(ValueError, match="two poses or more"):
+            so.sweep_path(CUBE, CUBE, few)
+
+
 def test_a_sweep_may_end_unfinished():
     start, end = pose((3, 0, 0)), pose((-3, 0, 0), (0, 0, 1), 1)
     whole = so.sweep(CUBE, CUBE, start, end)

@@ -3,6 +3,7 @@
 // search for the first contact, and batches of motions on a device.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,7 +14,7 @@
 
 namespace standoff::collision {
 
-/// A rotation about `axis` (unit length) by `angle_rad`, 0 to pi.
+/// A rotation about `axis` (unit length) by `angle_rad`, which is not negative, and may be many turns.
 struct AxisAngle {
   Vec3 axis{0, 0, 1};
   double angle_rad = 0;
@@ -29,6 +30,12 @@ struct AxisAngleMotion {
   Pose at(double t) const;
 };
 
+/// Throws Error{usage} unless the motion is one that pose_at() takes. Messages begin with `what`.
+void validate(const char* what, const RigidMotion& motion);
+
+/// Throws Error{usage} if rounding of the time alone moves b by a good part of the bodies' size.
+void check_length(const Body& a, const Body& b, const RigidMotion& motion, double tolerance);
+
 /// The motion of the pair's probe in the frame of its target.
 RelativeMotion relative_motion(const QueryPair& pair, const AxisAngleMotion& path);
 
@@ -41,10 +48,33 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 /// The distance that pairs of nodes leave: most of the tolerance, and what double precision may lose.
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
-/// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends unfinished after
-/// `most_steps`, unless that is 0.
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance,
-                          std::int64_t most_steps);
+/// Whether the last pose must be tested by itself: its matrix may be a rotation only nearly, and lie farther from where
+/// the even rotation ends than the distance that was kept. The bodies were half the tolerance apart all the time; a
+/// jump shorter than that touches nothing.
+bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double tolerance);
+
+/// The steps that a sweep, or the sweeps along a path together, may take.
+struct StepLimit {
+  std::int64_t most;  ///< 0: no limit
+  std::int64_t taken = 0;
+};
+
+/// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends unfinished where
+/// the steps are taken.
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps);
+
+/// sweep() without its checks, on the CPU. The tolerance is positive.
+SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
+                          double asked_tolerance, StepLimit& steps, const Kernels& kernels);
+
+/// Checks the options of a sweep, and returns the tolerance, which is positive.
+double checked_tolerance(const Body& a, const Body& b, const SweepOptions& options);
+
+/// The rotation `matrix`, then one by `angle_rad` about a unit axis.
+std::array<double, 9> turned(const std::array<double, 9>& matrix, Vec3 axis, double angle_rad);
+
+/// Axis and angle, with an angle that is not negative. The axis may have any length but zero.
+AxisAngle axis_angle_of(Vec3 axis, double angle_rad);
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
 /// `report` counts them. Requires motions and options that sweep_all() has checked, with a positive tolerance.

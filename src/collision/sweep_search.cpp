@@ -125,29 +125,32 @@ SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32
 // target's field first advances the probe's spheres against the whole target.
 class SweepSearch {
  public:
-  SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance)
+  SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps)
       : pair_(pair),
         triangles_(pair, path, tolerance),
         nodes_(pair, path, reserve_of_nodes(pair, path, tolerance)),
         field_pays_(pair.probe_is_small()),
         motion_(relative_motion(pair, path)),
         keep_(distance_kept(pair, path, tolerance)),
-        enough_(static_cast<float>(pair.target.body->field.spacing)) {}
+        enough_(static_cast<float>(pair.target.body->field.spacing)),
+        steps_(steps),
+        before_(steps.taken) {}
 
-  SweepResult run(std::int64_t most_steps) {
+  SweepResult run() {
     waiting_->clear();
     push(with_target(pair_.probe.body->bvh.top(), 0, 0));
     while (!waiting_->empty()) {
       const MovingNodes next = pop();
       if (done(next.time)) break;
-      if (++steps_ > most_steps && most_steps != 0) {
+      if (++steps_.taken > steps_.most && steps_.most != 0) {
         // All others that wait are apart until later.
         SweepResult unfinished;
         unfinished.time = next.time;
         unfinished.finished = false;
         return unfinished;
       }
-      if (steps_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_) nodes_.find_orbits(), knows_orbits_ = true;
+      if (steps_.taken - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_)
+        nodes_.find_orbits(), knows_orbits_ = true;
       if (nodes_.stay_apart(next)) continue;
       if (field_pays_ && has_whole_target(next))
         advance_by_field(next);
@@ -215,7 +218,7 @@ class SweepSearch {
         std::uint32_t of_target = leaves.resting * kLanes + n,
                       of_probe = leaves.moving * kLanes + static_cast<std::uint32_t>(std::countr_zero(left));
         if (pair_.swapped) std::swap(of_target, of_probe);
-        ++steps_;
+        ++steps_.taken;
         if (const auto contact = triangles_.first_contact(of_target, of_probe, from, until))
           result_ = *contact, until = std::min(until, contact->time);
       }
@@ -283,16 +286,16 @@ class SweepSearch {
   const float keep_;             // the distance that spheres leave after every step
   const float enough_;           // steps this long are taken without sampling the fine field
   SweepResult result_;           // the first contact so far
-  std::int64_t steps_ = 0;       // pairs of nodes and of triangles
+  StepLimit& steps_;             // pairs of nodes and of triangles
+  const std::int64_t before_;    // the steps of the motions before
   bool knows_orbits_ = false;
   const KeptByThread<std::vector<MovingNodes>> waiting_;
 };
 
 }  // namespace
 
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance,
-                          std::int64_t most_steps) {
-  return SweepSearch(pair, path, tolerance).run(most_steps);
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps) {
+  return SweepSearch(pair, path, tolerance, steps).run();
 }
 
 }  // namespace standoff::collision

@@ -62,6 +62,9 @@ TEST(Misuse, QueriesAtAnyPose) {
     expect_answer_or_error("distance_all", [&] { distance_all(body(), {}, body(), poses, {}, {.threads = 1}); });
     expect_answer_or_error("contacts_all", [&] { contacts_all(body(), {}, body(), poses, {}, {.threads = 1}); });
     expect_answer_or_error("sweep_all", [&] { sweep_all(body(), {}, body(), motions, {}, {.threads = 1}); });
+    expect_answer_or_error("sweep_path", [&] { sweep_path(body(), {}, body(), motions); });
+    expect_answer_or_error("sweep_spline", [&] { sweep_spline(body(), pose, body(), {.start = pose}); });
+    expect_answer_or_error("screw_motion", [&] { sweep(body(), {}, body(), screw_motion(pose, {}, {0, 0, 1}, 9)); });
     const DistanceField none;
     expect_answer_or_error("collide_thesis", [&] { collide_thesis(none, pose, none, {}, 1); });
     expect_answer_or_error("thesis_sum", [&] { thesis_sum(none, {}, none, pose); });
@@ -81,6 +84,14 @@ TEST(Misuse, OptionsOfQueries) {
     expect_answer_or_error(name, [&] { contacts(body(), {}, body(), {}, {.margin = x}); });
     expect_answer_or_error(name, [&] { sweep(body(), {}, body(), motion, {x}); });
     expect_answer_or_error(name, [&] { sweep(body(), {}, body(), {motion.start, motion.end, {x, x, 0}}); });
+    expect_answer_or_error(name, [&] { spline_pose_at({.axis = {0, 1, 1}, .angle_rad = x}, 0.5); });
+    expect_answer_or_error(name, [&] { sweep_spline(body(), {}, body(), {.control = {Vec3{x, 0, 5}}}, {x}); });
+    expect_answer_or_error(name, [&] { pose_at({{}, {}, {}, {0, 0, 1}, x}, 0.5); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), {{}, {}, {}, {x, 0, 1}, 1}); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), screw_motion({}, {x, 1, 1}, {0, 0, 1}, 9)); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), screw_motion({}, {}, {0, 1, x}, 9, 1)); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), screw_motion({}, {}, {0, 0, 1}, x, 1)); });
+    expect_answer_or_error(name, [&] { sweep(body(), {}, body(), screw_motion({}, {}, {0, 0, 1}, 9, x)); });
     const DistanceField none;
     expect_answer_or_error(name, [&] { collide_thesis(none, {}, none, {}, x); });
     expect_answer_or_error(name, [&] { collide_thesis(ThesisField(none), {}, ThesisField(none), {}, x); });
@@ -91,6 +102,9 @@ TEST(Misuse, OptionsOfQueries) {
   for (const std::int64_t n : kCounts) {
     expect_answer_or_error(named("most", n), [&] { contacts(body(), {}, body(), {}, {.most = n}); });
     expect_answer_or_error(named("max_steps", n), [&] { sweep(body(), {}, body(), motion, {.max_steps = n}); });
+    expect_answer_or_error(named("max_steps", n), [&] {
+      sweep_path(body(), {}, body(), std::vector{motion, motion}, {.max_steps = n});
+    });
   }
 }
 

@@ -248,7 +248,7 @@ TEST_F(BatchQuery, ErrorsOfTheCommandLine) {
   expect("distance scene:box scene:box --poses poses.csv --device cpu", 2, "unknown option '--device'");
   expect(sweep + "--motions ways.csv --to 1,2,3", 2, "--to and --motions cannot go together");
   expect(sweep + "--motions ways.csv --from 1,2,3", 2, "--from and --motions cannot go together");
-  expect(sweep, 2, "sweep: no --to given, where B ends; or give --motions");
+  expect(sweep, 2, "sweep: no --to given, where B ends; or give --screw, --path or --motions");
   expect(collide + "--poses poses.csv --device tpu", 2, "--device 'tpu': give auto, cpu, cuda or emulated");
   expect(collide + "--poses poses.csv --device cuda:99", 6, "cuda: ");
   expect(sweep + "--motions ways.csv --device cuda:99", 6, "cuda: ");

@@ -78,6 +78,36 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   EXPECT_LT(unfinished["time"].get<double>(), 0.3);
 }
 
+// A path has the answer of its motion that hits, given by itself.
+TEST_F(CollisionVerbs, SweepsAlongScrewsAndPaths) {
+  const std::string boxes = "sweep scene:box scene:box ";
+  // Three turns about the point 9,0,0 pass nothing; rising by 30 on the way down from -20 they meet A.
+  EXPECT_EQ(done(words(boxes + "--from 9,0,5 --screw 9,0,0,0,0,1,1080")).out, "free during the whole motion\n");
+  const Json hit = done(words(boxes + "--from 0,0,-20 --screw 0,0,0,0,0,2,1080,30 --json")).json();
+  EXPECT_EQ(hit["hit"], true);
+  EXPECT_NEAR(hit["time"].get<double>(), 19.0 / 30, 1e-5);
+  EXPECT_FALSE(hit.contains("motion"));
+  write_bytes(folder / "way.csv", "9,0,5\n9,0,0\n-9,0,0\n");
+  const Json on_path = done(words(boxes + "--path way.csv --json")).json(),
+             second = done(words(boxes + "--from 9,0,0 --to -9,0,0 --json")).json();
+  EXPECT_EQ(on_path["motion"], 1);
+  EXPECT_EQ(on_path["time"], second["time"]);
+  EXPECT_NE(done(words(boxes + "--path way.csv")).out.find(" of 1 in motion 1, at "), std::string::npos);
+  const auto expect = [&](const std::string& rest, int code, const std::string& part) {
+    const Ran ran = run(words(boxes + rest));
+    EXPECT_EQ(ran.code, code) << rest;
+    EXPECT_NE(ran.err.find(part), std::string::npos) << rest << ": " << ran.err;
+  };
+  expect("--screw 1,2,3", 2, "--screw '1,2,3': give seven numbers or eight");
+  expect("--screw 1,2,3,0,0,0,90", 2, "the axis has no direction");
+  expect("--screw 0,0,0,0,0,1,1e12", 2, "radians");
+  expect("--screw 0,0,0,0,0,1,90 --to 1,0,0", 2, "cannot go together");
+  expect("--screw 0,0,0,0,0,1,90 --center 1,0,0", 2, "cannot go together");
+  expect("--path way.csv --to 1,0,0", 2, "cannot go together");
+  write_bytes(folder / "one.csv", "9,0,5\n");
+  expect("--path one.csv", 3, "one.csv: 1 poses; give the two or more");
+}
+
 TEST_F(CollisionVerbs, ZeroIsAsGoodAsTheDefault) {
   EXPECT_EQ(done(words("collide scene:box scene:box --pose 2.5,0,0 --margin 0")).out, "free\n");
   EXPECT_TRUE(done(words("distance scene:box scene:box --pose 5,0,0 --tolerance 0")).out.starts_with("3 from"));

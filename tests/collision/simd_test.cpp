@@ -87,7 +87,8 @@ TEST(Simd, QueriesUseTheKernelsOfTheirPair) {
   EXPECT_TRUE(used([&] { collision::certify(pair, 0.2); }));
   EXPECT_TRUE(used([&] {
     const collision::AxisAngleMotion path({near, {}, {}});
-    collision::first_contact(collision::QueryPair(a, {}, b, near, counting), path, 1e-3, 0);
+    collision::StepLimit unlimited{0};
+    collision::first_contact(collision::QueryPair(a, {}, b, near, counting), path, 1e-3, unlimited);
   }));
 }
 

@@ -129,6 +129,21 @@ TEST(CudaSweep, TurningOnTheSpot) {
   EXPECT_GT(expect_as_cpu(fin, {}, stake, motions, 1e-4).hits, 50);  // now the body with the field turns
 }
 
+// Up to four turns, whichever of the bodies has the field.
+TEST(CudaSweep, ManyTurns) {
+  const Body ball(ball_mesh(1, 7)), soup(random_soup(24, 30, 0.3, 0.4));
+  Random random(25);
+  std::vector<RigidMotion> motions;
+  for (int n = 0; n < 150; ++n) {
+    const Pose start = random_pose(random, 2.5);
+    const Vec3 axis = random.in_cube(1) + Vec3{1e-3, 0, 0};
+    motions.push_back(screw_motion(start, start.translation + random.in_cube(0.5), axis, random.between(-25, 25),
+                                   random.between(-3, 3)));
+  }
+  expect_both(expect_as_cpu(ball, {}, soup, motions, 1e-3), 150);
+  expect_both(expect_as_cpu(soup, {}, ball, motions, 1e-3), 150);
+}
+
 TEST(CudaSweep, FastAndSlowAndNotAtAll) {
   const Body large(ball_mesh(1, 7)), small(ball_mesh(0.3, 3));
   for (const double translation : {0.02, 40.0}) {
