@@ -20,14 +20,18 @@ namespace {
 // Pairs that are measured before a proof is tried that none is nearer, which visits all corners of both bodies.
 constexpr std::int64_t kWorthAProof = 4096;
 
+// The triangles whose corners a proof visits in the time of a step.
+constexpr std::int64_t kTrianglesOfAStep = 16;
+
 // Descends both BVHs together, the pair of nodes that may be nearest first.
 class DistanceSearch {
  public:
-  DistanceSearch(const QueryPair& pair, double tolerance, double limit)
-      : pair_(pair), nodes_(pair), tolerance_(tolerance), best_(limit), batch_(pair) {
+  DistanceSearch(const QueryPair& pair, const DistanceOptions& options, Steps& steps)
+      : pair_(pair), nodes_(pair), tolerance_(options.tolerance), best_(options.limit), steps_(steps), batch_(pair) {
     lower_reach();
   }
 
+  /// Requires bodies that do not intersect, unless the steps are spent: then it finds only a near pair.
   void run() {
     if (pair_.root_gap() > reach_) return;
     std::array<NodePair, kLanes> children;
@@ -39,8 +43,11 @@ class DistanceSearch {
     queue_->clear();
     push(nodes_.root());
     while (!queue_->empty() && !is_settled_) {
+      const float least_sq = queue_->front().distance_sq;
+      if (least_sq > reach_sq_) return measure();
+      if (steps_.are_spent()) return give_up(least_sq);
+      steps_.take();
       const NodePair next = pop();
-      if (next.distance_sq > reach_sq_) return measure();
       if (next.is_leaf()) {
         look_at(next);
         if (best_ < proof_tried_at) {
@@ -56,6 +63,9 @@ class DistanceSearch {
   }
 
   double best() const { return best_; }
+  /// What is proven if the search is not finished: no pair is nearer.
+  double lower() const { return lower_; }
+  bool finished() const { return is_finished_; }
   bool found() const { return found_; }
   Vec3 on_target, on_probe;                   ///< the closest points
   std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
@@ -63,18 +73,32 @@ class DistanceSearch {
  private:
   static constexpr int kDescents = 2;
 
+  // No pair that was dropped is nearer than this: by the tolerance, once there is a best pair.
+  double kept_within() const { return found_ ? best_ - tolerance_ : best_; }
+  double node_slack() const {
+    return kNodePairSlack * (pair_.target.body->radius + pair_.probe.body->radius) + pair_.pose_slack;
+  }
   // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance.
   void lower_reach() {
-    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
-    wanted_ = std::min((best_ - tolerance_) * (1 + kFarShare), kMaxMargin);
-    reach_ = static_cast<float>(wanted_ + kNodePairSlack * radii + pair_.pose_slack);
+    wanted_ = std::min(kept_within() * (1 + kFarShare), kMaxMargin);
+    reach_ = static_cast<float>(wanted_ + node_slack());
     reach_sq_ = squared(reach_);
   }
   static float squared(float reach) { return reach < 0 ? -1 : reach * reach * (kRoundUp * kRoundUp); }
 
+  // Ends the search: the least bound of all nodes that wait, and what was dropped, are what is proven. A node with a
+  // bound above the reach would have been dropped; this takes from a bound what lower_reach() adds, and its rounding.
+  void give_up(float least_sq) {
+    measure();
+    const double of_nodes = (std::sqrt(static_cast<double>(least_sq)) * kRoundDown - node_slack()) / (1 + kFarShare);
+    lower_ = std::max(0.0, std::min(of_nodes, kept_within()));
+    is_finished_ = false;
+  }
+
   void descend(std::array<NodePair, kLanes>& children) {
     NodePair at = nodes_.root();
     while (!at.is_leaf()) {
+      steps_.take();
       const int count = nodes_.open(at, reach_sq_, children);
       if (count == 0) return;
       at = *std::ranges::min_element(children.begin(), children.begin() + count, {}, &NodePair::distance_sq);
@@ -126,6 +150,7 @@ class DistanceSearch {
   // Returns the first pair left. While nothing is found, every pair is measured at once; later the reach may lag
   // behind.
   LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
+    steps_.take(past - next);
     for (; next != past; ++next, ++measured_) {
       batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
       if (batch_.full()) measure();
@@ -172,6 +197,8 @@ class DistanceSearch {
     measured_ = 0;
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
+    const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
+    steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
     const Vec3 direction = axes_about(on_probe - on_target)[0];
     is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
   }
@@ -217,9 +244,10 @@ class DistanceSearch {
   const QueryPair& pair_;
   NodePairs nodes_;
   const double tolerance_;
-  double best_, wanted_ = 0;
+  double best_, wanted_ = 0, lower_ = 0;
   float reach_ = 0, reach_sq_ = 0;
-  bool found_ = false, is_settled_ = false;
+  bool found_ = false, is_settled_ = false, is_finished_ = true;
+  Steps& steps_;
   std::array<Vec3, 3> best_axes_;  // in the target's frame
   std::int64_t measured_ = 0;      // pairs, since a proof was tried
   double proof_tried_at_ = -1;
@@ -231,23 +259,28 @@ DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b
                                 const DistanceOptions& options, const Kernels& kernels) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
   DistanceResult result;
+  Steps steps(options.max_steps);
   std::uint32_t of_target = 0, of_probe = 0;
   Vec3 on_target, on_probe;
-  if (const auto intersecting = find_intersecting_pair(pair, 0)) {
+  if (const auto intersecting = find_intersecting_pair(pair, 0, steps)) {
     of_target = intersecting->of_target, of_probe = intersecting->of_probe;
     on_target = on_probe = common_point(pair.target.world(of_target), pair.probe.world(of_probe));
   } else {
-    DistanceSearch search(pair, options.tolerance, options.limit);
+    const bool may_intersect = steps.are_spent();
+    DistanceSearch search(pair, options, steps);
     search.run();
+    result.finished = search.finished() && !may_intersect;
     if (!search.found()) {
-      result.lower = options.limit;
+      result.lower = result.finished ? options.limit : may_intersect ? 0 : search.lower();
       result.upper = std::numeric_limits<double>::infinity();
       return result;
     }
     of_target = search.of_target, of_probe = search.of_probe;
     on_target = search.on_target, on_probe = search.on_probe;
     result.upper = search.best();
-    result.lower = std::max(0.0, result.upper - options.tolerance);
+    result.lower = result.finished ? std::max(0.0, result.upper - options.tolerance)
+                   : may_intersect ? 0
+                                   : std::min(search.lower(), result.upper);
   }
   if (pair.swapped) std::swap(on_target, on_probe);
   result.point_a = on_target, result.point_b = on_probe;
@@ -261,6 +294,8 @@ void check(const DistanceOptions& options) {
     throw Error(ErrorCode::usage,
                 "distance: tolerance and limit must be zero or more, and the tolerance finite; without them the "
                 "distance is exact");
+  if (options.max_steps < 0)
+    throw Error(ErrorCode::usage, "distance: max_steps must not be negative; give 0 for no limit");
 }
 
 }  // namespace
