@@ -147,6 +147,20 @@ struct DistanceResult {
 STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                      const DistanceOptions& options = {});
 
+/// Where a distance query of poses that follow each other begins: with the triangles that were nearest before. Pass the
+/// same state to each query of two bodies. Any state is valid, whatever bodies and poses it is from, and none changes an
+/// answer, not by one bit: a near pair only saves time. It is not read with a tolerance or with max_steps. The numbers
+/// have no meaning for others.
+struct DistanceState {
+  std::uint32_t of_target = kNoTriangle;
+  std::uint32_t of_probe = kNoTriangle;
+  double distance = 0;
+};
+
+/// distance(), which begins with what `state` knows and leaves there what the next query may begin with.
+STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                     const DistanceOptions& options, DistanceState& state);
+
 struct ContactOptions {
   std::int64_t most = 100;  ///< the largest number of contacts to report; at least 1
   double margin = 0;        ///< pairs within this distance are contacts too; world units, 0 to kMaxMargin

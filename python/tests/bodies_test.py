@@ -49,6 +49,7 @@ def test_margins_and_limits():
     assert far[2] == np.inf
     rough = so.distance_between(CUBE, CUBE, poses, tolerance=0.02)
     assert (rough.lower <= [0.05, 0.15, 0.25]).all() and (rough.distance - rough.lower <= 0.02 + 1e-12).all()
+    assert rough.finished.all()
 
 
 def test_one_body_inside_another():
@@ -122,6 +123,16 @@ def test_sweeps():
     assert off_centre.hit.shape == ()
     exact = so.sweep(CUBE, CUBE, starts[:1], ends[:1], tolerance=1e-9).time
     assert exact == pytest.approx(2 / 3, abs=1e-8)
+
+
+def test_a_distance_may_end_unfinished():
+    apart = pose((3, 2, 1))
+    whole = so.distance_between(SPHERE, SPHERE, apart)
+    assert whole.finished
+    early = so.distance_between(SPHERE, SPHERE, apart, max_steps=1)
+    assert not early.finished and early.lower <= whole.distance <= early.distance < np.inf
+    with pytest.raises(ValueError, match="must not be negative"):
+        so.distance_between(SPHERE, SPHERE, apart, max_steps=-1)
 
 
 def test_a_sweep_may_end_unfinished():

@@ -91,6 +91,7 @@ TEST(Misuse, OptionsOfQueries) {
   for (const std::int64_t n : kCounts) {
     expect_answer_or_error(named("most", n), [&] { contacts(body(), {}, body(), {}, {.most = n}); });
     expect_answer_or_error(named("max_steps", n), [&] { sweep(body(), {}, body(), motion, {.max_steps = n}); });
+    expect_answer_or_error(named("max_steps", n), [&] { distance(body(), {}, body(), {}, {.max_steps = n}); });
   }
 }
 
