@@ -108,10 +108,9 @@ void add_distance(CLI::App& program) {
              [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });
   add_parsed(*verb, {"--limit", "D", "look no farther than this", "Question"},
              [&options](S o, S t) { options.limit = parse_not_negative(o, t); });
-  add_parsed(*verb, {"--max-steps", "N", "give up after so many steps, with bounds (default: no limit)", "Question"},
-             [&options](S o, S t) {
-               options.max_steps = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max());
-             });
+  add_parsed(
+      *verb, {"--max-steps", "N", "give up after so many steps, with bounds (default: no limit)", "Question"},
+      [&options](S o, S t) { options.max_steps = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()); });
   command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });

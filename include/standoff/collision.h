@@ -142,15 +142,15 @@ struct DistanceResult {
 };
 
 /// The least distance between the surfaces (docs/distance.md). If the query is finished, upper - lower <= tolerance +
-/// 1e-6 * (size of the bodies). With tolerance 0, `upper` is then the least distance over all pairs of triangles, within
-/// 32 * 2^-53 of the longest side of the box around the pair. Errors: as collide.
+/// 1e-6 * (size of the bodies). With tolerance 0, `upper` is then the least distance over all pairs of triangles,
+/// within 32 * 2^-53 of the longest side of the box around the pair. Errors: as collide.
 STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                      const DistanceOptions& options = {});
 
 /// Where a distance query of poses that follow each other begins: with the triangles that were nearest before. Pass the
-/// same state to each query of two bodies. Any state is valid, whatever bodies and poses it is from, and none changes an
-/// answer, not by one bit: a near pair only saves time. It is not read with a tolerance or with max_steps. The numbers
-/// have no meaning for others.
+/// same state to each query of two bodies. Any state is valid, whatever bodies and poses it is from, and none changes
+/// an answer, not by one bit: a near pair only saves time. It is not read with a tolerance or with max_steps. The
+/// numbers have no meaning for others.
 struct DistanceState {
   std::uint32_t of_target = kNoTriangle;
   std::uint32_t of_probe = kNoTriangle;

@@ -59,8 +59,8 @@ class DistanceSearch {
 
   /// The same, from a pair that was the nearest at another pose. Returns false if it cannot be sure to have found what
   /// run() finds; then it may have found nothing. A search that ends without a proof has measured each pair that is as
-  /// near as the best one, so its answer is the first of them, wherever it began. This one tries no proof; it makes sure
-  /// that run() had none. Requires no tolerance and no limit of steps.
+  /// near as the best one, so its answer is the first of them, wherever it began. This one tries no proof; it makes
+  /// sure that run() had none. Requires no tolerance and no limit of steps.
   bool run_from(std::uint32_t target_index, std::uint32_t probe_index, double distance_it_had) {
     has_start_ = true;
     batch_.add(target_index, probe_index);
@@ -114,8 +114,8 @@ class DistanceSearch {
   }
   // Pairs whose distances differ by less than this are about as near: bounds hardly tell them apart.
   double about(double distance) const { return node_slack() + kFarShare * distance; }
-  // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance, or
-  // that counts as about as near.
+  // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance,
+  // or that counts as about as near.
   void lower_reach() {
     const double ties = has_start_ ? kTies * about(best_) : 0;
     wanted_ = std::min((kept_within() + ties) * (1 + kFarShare), kMaxMargin);
@@ -283,8 +283,8 @@ class DistanceSearch {
 
   // Whether prove_by_boxes() could succeed along any direction n, with any pair. Then n is nearly that of the best
   // pair, u: the points of that pair are in the boxes, so n.u >= 1 - error / distance, and |n - u|^2 <= 2 * error /
-  // distance. A gap along u is less than along n by no more than |n - u| times the extent of the boxes, which is at most
-  // twice that of the bodies.
+  // distance. A gap along u is less than along n by no more than |n - u| times the extent of the boxes, which is at
+  // most twice that of the bodies.
   bool boxes_may_prove() const {
     const Vec3 direction = axes_about(on_probe - on_target)[0];
     const double gap = -reach_of_box(pair_.probe, -direction) - reach_of_box(pair_.target, direction);
@@ -353,8 +353,7 @@ DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b
   } else {
     const bool may_intersect = steps.are_spent();
     std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
-    if (!may_begin_with(state, pair, options) ||
-        !search->run_from(state.of_target, state.of_probe, state.distance)) {
+    if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
       search.emplace(pair, options, steps);
       search->run();
     }

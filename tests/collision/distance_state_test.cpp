@@ -126,7 +126,8 @@ TEST(DistanceState, FromOtherBodiesIsValid) {
 TEST(DistanceState, OfABatchChangesNoBit) {
   const Pair pair(random_soup(3, 300, 1, 0.2), ball_mesh(0.4, 6));
   std::vector<Pose> poses;
-  for (int n = 0; n < 200; ++n) poses.push_back(make_pose({1, 2, 3}, 0.02 * n, {1.5 * std::cos(0.01 * n), 0.01 * n, 0}));
+  for (int n = 0; n < 200; ++n)
+    poses.push_back(make_pose({1, 2, 3}, 0.02 * n, {1.5 * std::cos(0.01 * n), 0.01 * n, 0}));
   for (const int threads : {1, 3}) {
     const auto found = distance_all(pair.a, {}, pair.b, poses, {}, {.threads = threads}).results;
     for (std::size_t n = 0; n < poses.size(); ++n) expect_same(found[n], distance(pair.a, {}, pair.b, poses[n]));

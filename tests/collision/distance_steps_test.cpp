@@ -95,8 +95,11 @@ TEST(Distance, IsLookedForUpToTheLimitWithAnyTolerance) {
 
 TEST(DistanceSteps, MustNotBeNegative) {
   const Body body(ball_mesh(1, 2));
-  expect_error([&] { distance(body, {}, body, moved({3, 0, 0}), {.max_steps = -1}); }, ErrorCode::usage,
-               "distance: max_steps must not be negative; give 0 for no limit");
+  expect_error(
+      [&] {
+        distance(body, {}, body, moved({3, 0, 0}), {.max_steps = -1});
+      },
+      ErrorCode::usage, "distance: max_steps must not be negative; give 0 for no limit");
 }
 
 }  // namespace
