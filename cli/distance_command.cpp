@@ -18,6 +18,7 @@ namespace {
 
 constexpr const char* kDistanceExamples = R"(  standoff distance a.stl b.stl --pose 0,0,5
   standoff distance a.stl b.stl --tolerance 0.01 --json        faster, and within 0.01
+  standoff distance a.stl b.stl --max-steps 100                bounds, soon
   standoff distance a.stl b.stl --poses poses.csv -o near.csv        a pose on each line, a distance for each
 )";
 
@@ -30,7 +31,8 @@ struct DistanceCommand {
 
   // The library's limit is exclusive, the program's is inclusive.
   DistanceOptions inclusive() const {
-    return {options.tolerance, std::nextafter(options.limit, std::numeric_limits<double>::infinity())};
+    return {options.tolerance, std::nextafter(options.limit, std::numeric_limits<double>::infinity()),
+            options.max_steps};
   }
   double lower(const DistanceResult& found) const { return std::min(found.lower, options.limit); }
   void run();
@@ -44,12 +46,15 @@ void DistanceCommand::run_batch() {
   const auto found = batch.answers(console, poses.size(), [&] {
     return distance_all(a, bodies.pose_a(), b, poses, inclusive(), batch.execution());
   });
-  Answers answers{Table("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"), {}};
-  std::int64_t touching = 0, beyond = 0;
+  const bool may_end_early = options.max_steps != 0;
+  Answers answers{Table(may_end_early ? "pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b,finished"
+                                      : "pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b"),
+                  {}};
+  std::int64_t touching = 0, beyond = 0, unfinished = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
     const DistanceResult& it = found[n];
     const bool any = std::isfinite(it.upper);
-    touching += it.upper == 0, beyond += !any;
+    touching += it.upper == 0, beyond += !any && it.finished, unfinished += !it.finished;
     answers.table.cell(static_cast<std::int64_t>(n));
     answers.table.cell(lower(it));
     answers.table.cell(it.upper);
@@ -57,9 +62,11 @@ void DistanceCommand::run_batch() {
     answers.table.point(any, it.point_b);
     answers.table.triangle(it.triangle_a);
     answers.table.triangle(it.triangle_b);
+    if (may_end_early) answers.table.cell(std::int64_t{it.finished});
     answers.table.end_row();
   }
   answers.counts = {{"touching", touching}, {"beyond_limit", beyond}};
+  if (may_end_early) answers.counts.push_back({"unfinished", unfinished});
   batch.deliver("distance", answers, console);
 }
 
@@ -77,8 +84,13 @@ void DistanceCommand::run() {
     json["point_b"] = any ? json_point(found.point_b) : Json();
     json["triangle_a"] = json_triangle(found.triangle_a);
     json["triangle_b"] = json_triangle(found.triangle_b);
+    json["finished"] = found.finished;
     return print(json);
   }
+  if (!found.finished)
+    return print("from " + exact_number(lower(found)) +
+                 (std::isfinite(found.upper) ? " to " + exact_number(found.upper) : " upwards") +
+                 "; --max-steps ended the search there\n");
   if (!std::isfinite(found.upper)) return print("more than " + exact_number(options.limit) + ", the limit\n");
   print(exact_number(found.upper) + " from " + point_text(found.point_a) + " of A to " + point_text(found.point_b) +
         " of B" + (found.lower < found.upper ? ", at least " + exact_number(found.lower) : "") + "\n");
@@ -96,6 +108,9 @@ void add_distance(CLI::App& program) {
              [&options](S o, S t) { options.tolerance = parse_not_negative(o, t); });
   add_parsed(*verb, {"--limit", "D", "look no farther than this", "Question"},
              [&options](S o, S t) { options.limit = parse_not_negative(o, t); });
+  add_parsed(
+      *verb, {"--max-steps", "N", "give up after so many steps, with bounds (default: no limit)", "Question"},
+      [&options](S o, S t) { options.max_steps = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()); });
   command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });

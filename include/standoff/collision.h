@@ -125,6 +125,9 @@ STANDOFF_API CollisionResult collide(const Body& a, const Pose& pose_a, const Bo
 struct DistanceOptions {
   double tolerance = 0;  ///< the largest allowed upper - lower, apart from rounding; world units, not negative
   double limit = std::numeric_limits<double>::infinity();  ///< the search stops at this distance; world units
+  /// About the most steps that a query takes, pairs of BVH nodes or of triangles; 0: no limit. A query that needs more
+  /// is not finished, and returns what it has proven.
+  std::int64_t max_steps = 0;
 };
 
 struct DistanceResult {
@@ -134,13 +137,30 @@ struct DistanceResult {
   Vec3 point_b;      ///< on b's surface
   std::uint32_t triangle_a = kNoTriangle;
   std::uint32_t triangle_b = kNoTriangle;
+  /// False if the query ended after DistanceOptions::max_steps. The distance still lies between `lower` and `upper`,
+  /// but they may be farther apart than the tolerance.
+  bool finished = true;
 };
 
-/// The least distance between the surfaces (docs/distance.md). upper - lower <= tolerance + 1e-6 * (size of
-/// the bodies). With tolerance 0, `upper` is the least distance over all pairs of triangles, within 32 * 2^-53 of the
-/// longest side of the box around the pair. Errors: as collide.
+/// The least distance between the surfaces (docs/distance.md). If the query is finished, upper - lower <= tolerance +
+/// 1e-6 * (size of the bodies). With tolerance 0, `upper` is then the least distance over all pairs of triangles,
+/// within 32 * 2^-53 of the longest side of the box around the pair. Errors: as collide.
 STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                      const DistanceOptions& options = {});
+
+/// Where a distance query of poses that follow each other begins: with the triangles that were nearest before. Pass the
+/// same state to each query of two bodies. Any state is valid, whatever bodies and poses it is from, and none changes
+/// an answer, not by one bit: a near pair only saves time. It is not read with a tolerance or with max_steps. The
+/// numbers have no meaning for others.
+struct DistanceState {
+  std::uint32_t of_target = kNoTriangle;
+  std::uint32_t of_probe = kNoTriangle;
+  double distance = 0;
+};
+
+/// distance(), which begins with what `state` knows and leaves there what the next query may begin with.
+STANDOFF_API DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                                     const DistanceOptions& options, DistanceState& state);
 
 struct ContactOptions {
   std::int64_t most = 100;  ///< the largest number of contacts to report; at least 1

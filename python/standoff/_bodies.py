@@ -121,6 +121,9 @@ class Distances:
     """``(...)`` integers."""
     triangle_b: Any
     """``(...)`` integers."""
+    finished: Any
+    """``(...)`` bool: False where the search ended after ``max_steps``: the distance still lies between `lower` and
+    `distance`, but they may be farther apart than the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,6 +302,7 @@ def distance_between(
     pose_a: Any = None,
     tolerance: float = 0.0,
     limit: float = float("inf"),
+    max_steps: int = 0,
     threads: int = 0,
     progress: Progress = None,
 ) -> Distances:
@@ -308,22 +312,29 @@ def distance_between(
         a, b, poses, pose_a: as for `collide`.
         tolerance: the largest allowed error, world units; 0 for the exact distance.
         limit: the search stops at this distance, world units.
+        max_steps: about the most steps of a pose, pairs of BVH nodes or of triangles; a search that needs more is not
+            finished and returns bounds. 0: no limit.
         threads, progress: as for `field`.
+
+    Raises:
+        UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``.
     """
     body_a, body_b = _both(a, b)
     p = _Poses(poses, "poses")
     with progress_of(progress, "distance") as report:
-        lower, upper, point_a, point_b, triangle_a, triangle_b = _core.distance(
+        lower, upper, point_a, point_b, triangle_a, triangle_b, finished = _core.distance(
             body_a,
             _one(pose_a, "pose_a"),
             body_b,
             p.array,
             number(tolerance, "tolerance"),
             number(limit, "limit"),
+            whole_number(max_steps, "max_steps"),
             threads_of(threads),
             report,
         )
-    return Distances(*map(p.give, (upper, lower, point_a, point_b, *_triangles(triangle_a, triangle_b))))
+    triangles = _triangles(triangle_a, triangle_b)
+    return Distances(*map(p.give, (upper, lower, point_a, point_b, *triangles, finished == 1)))
 
 
 def sweep(

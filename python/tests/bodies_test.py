@@ -49,6 +49,7 @@ def test_margins_and_limits():
     assert far[2] == np.inf
     rough = so.distance_between(CUBE, CUBE, poses, tolerance=0.02)
     assert (rough.lower <= [0.05, 0.15, 0.25]).all() and (rough.distance - rough.lower <= 0.02 + 1e-12).all()
+    assert rough.finished.all()
 
 
 def test_one_body_inside_another():
@@ -156,6 +157,16 @@ def test_sweeps_along_paths():
     for few in (way[:1], way[0], way[:0], way.reshape(1, 3, 4, 4)):
         with pytest.raises(ValueError, match="two poses or more"):
             so.sweep_path(CUBE, CUBE, few)
+
+
+def test_a_distance_may_end_unfinished():
+    apart = pose((3, 2, 1))
+    whole = so.distance_between(SPHERE, SPHERE, apart)
+    assert whole.finished
+    early = so.distance_between(SPHERE, SPHERE, apart, max_steps=1)
+    assert not early.finished and early.lower <= whole.distance <= early.distance < np.inf
+    with pytest.raises(ValueError, match="must not be negative"):
+        so.distance_between(SPHERE, SPHERE, apart, max_steps=-1)
 
 
 def test_a_sweep_may_end_unfinished():

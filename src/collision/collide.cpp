@@ -86,39 +86,41 @@ constexpr std::int64_t kManyLeaves = 384;
 // to show that they do not touch. Then pairs of oriented boxes find the triangles to be tested.
 class IntersectionSearch {
  public:
-  IntersectionSearch(const QueryPair& pair, double margin)
+  IntersectionSearch(const QueryPair& pair, double margin, Steps& steps)
       : pair_(pair),
         kernels_(pair.kernels),
         margin_(margin),
         limit_(pair.limit(margin)),
+        steps_(steps),
         close_(pair, limit_, kManyLeaves),
         batch_(pair) {}
 
   std::optional<IntersectingPair> run() {
     if (pair_.apart(margin_)) return {};
-    Found found = visit(pair_.probe.body->bvh.top(), 0);
-    if (found == Found::undecided) found = visit_pairs();
-    if (found == Found::none) return {};
+    if (visit(pair_.probe.body->bvh.top(), 0) == Visit::undecided) visit_pairs();
     return found_;
   }
 
  private:
-  enum class Found { none, pair, undecided };
+  enum class Visit { none, ended, undecided };  // ended: a pair is found, or the steps are spent
 
-  // Adds a close pair to the batch; false if one of the batch intersects.
+  // Adds a close pair to the batch; false if one of the batch intersects, or the steps are spent.
   auto adding() {
     return [this](std::uint32_t target_index, std::uint32_t probe_index) {
+      steps_.take();
       batch_.add(target_index, probe_index);
-      return !batch_.full() || settle();
+      return !batch_.full() || (settle() && !steps_.are_spent());
     };
   }
 
-  Found visit(int level, std::uint32_t packet) {
+  Visit visit(int level, std::uint32_t packet) {
+    if (steps_.are_spent()) return Visit::ended;
+    steps_.take();
     if (level == 0) {
       // The packet reaches the surface: boxes of its triangles exclude more than the field would.
       const bool none = close_.visit(packet, ClosePairs::kAllLanes, adding());
-      if (close_.is_exhausted()) return settle() ? Found::undecided : Found::pair;
-      return none && settle() ? Found::none : Found::pair;
+      if (close_.is_exhausted()) return settle() ? Visit::undecided : Visit::ended;
+      return none && settle() ? Visit::none : Visit::ended;
     }
     alignas(64) float gap[kLanes];
     const Sphere16& spheres = pair_.probe.body->bvh.spheres[level][packet];
@@ -126,15 +128,15 @@ class IntersectionSearch {
     int lanes[kLanes];
     const int count = lanes_within(gap, limit_, lanes);
     for (int n = 0; n < count; ++n)
-      if (const Found found = visit(level - 1, packet * kLanes + lanes[n]); found != Found::none) return found;
-    return Found::none;
+      if (const Visit all = visit(level - 1, packet * kLanes + lanes[n]); all != Visit::none) return all;
+    return Visit::none;
   }
 
-  Found visit_pairs() {
+  void visit_pairs() {
     const auto test = [this](std::uint32_t leaf, std::uint32_t packet) {
       return close_.visit_leaf(leaf, packet, adding());
     };
-    return NodePairs(pair_).visit_leaves(margin_, test) && settle() ? Found::none : Found::pair;
+    if (NodePairs(pair_).visit_leaves(margin_, steps_, test)) settle();
   }
 
   // Decides the pairs of the batch; false if one of them intersects.
@@ -145,7 +147,7 @@ class IntersectionSearch {
         const Corners p = pair_.target.world(target_index), q = pair_.probe.world(probe_index);
         hit = closest_points(p, q).distance_sq <= margin_ * margin_;
       }
-      if (hit) found_ = {target_index, probe_index};
+      if (hit) found_ = IntersectingPair{target_index, probe_index};
       return !hit;
     });
   }
@@ -154,20 +156,21 @@ class IntersectionSearch {
   const Kernels& kernels_;
   const double margin_;
   const float limit_;  // if spheres or boxes are farther away than this, they are beyond the margin
+  Steps& steps_;
   ClosePairs close_;
   PairBatch batch_;
-  IntersectingPair found_{};
+  std::optional<IntersectingPair> found_;
 };
 
 }  // namespace
 
 Verdict certify(const QueryPair& pair, double margin) { return Certify(pair, margin).run(); }
 
-std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin) {
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin, Steps& steps) {
   // Two bodies of the same shape at the same pose are a frequent case: their first triangles coincide.
   if (pair.relative == Pose{} && triangles_intersect(pair.target.world(0), pair.probe.world(0)))
     return IntersectingPair{0, 0};
-  return IntersectionSearch(pair, margin).run();
+  return IntersectionSearch(pair, margin, steps).run();
 }
 
 namespace {

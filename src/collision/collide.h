@@ -22,8 +22,13 @@ struct IntersectingPair {
   std::uint32_t of_target, of_probe;
 };
 
-/// A pair of triangles that intersect or are within the margin; nothing if there is none.
-std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin);
+/// A pair of triangles that intersect or are within the margin; nothing if there is none, or if the steps were spent
+/// before one was found.
+std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin, Steps& steps);
+inline std::optional<IntersectingPair> find_intersecting_pair(const QueryPair& pair, double margin) {
+  Steps unlimited(0);
+  return find_intersecting_pair(pair, margin, unlimited);
+}
 
 /// The side of a closed surface that a point is on.
 enum class Side { unknown, outside, inside };

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the distance of two surfaces.
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "collision/close_pairs.h"
@@ -17,33 +21,81 @@ namespace standoff {
 namespace collision {
 namespace {
 
-// Pairs that are measured before a proof is tried that none is nearer, which visits all corners of both bodies.
+// Pairs about as near as the best one that are measured before a proof is tried that none is nearer, which visits all
+// corners of both bodies.
 constexpr std::int64_t kWorthAProof = 4096;
+
+// A pair that was the nearest is a good beginning while its distance is at most this many times the one it had.
+// Arbitrary between 1.2 and 3: it decides time only.
+constexpr double kStillNear = 1.5;
+
+// The triangles whose corners a proof visits in the time of a step.
+constexpr std::int64_t kTrianglesOfAStep = 16;
 
 // Descends both BVHs together, the pair of nodes that may be nearest first.
 class DistanceSearch {
  public:
-  DistanceSearch(const QueryPair& pair, double tolerance, double limit)
-      : pair_(pair), nodes_(pair), tolerance_(tolerance), best_(limit), batch_(pair) {
+  DistanceSearch(const QueryPair& pair, const DistanceOptions& options, Steps& steps)
+      : pair_(pair),
+        nodes_(pair),
+        tolerance_(options.tolerance),
+        best_(options.limit),
+        best_sq_(best_ * best_),
+        steps_(steps),
+        batch_(pair) {
     lower_reach();
   }
 
+  /// Requires bodies that do not intersect, unless the steps are spent: then it finds only a near pair.
   void run() {
     if (pair_.root_gap() > reach_) return;
-    std::array<NodePair, kLanes> children;
     // Find a near pair first: then most pairs of nodes are farther and never enter the queue. The second descent uses
     // the direction that the first one found.
-    for (int n = 0; n < kDescents; ++n) descend(children);
+    for (int n = 0; n < kDescents; ++n) descend();
     if (found_) prove_by_boxes();
+    near_ties_ = 0;
+    search();
+  }
+
+  /// The same, from a pair that was the nearest at another pose. Returns false if it cannot be sure to have found what
+  /// run() finds; then it may have found nothing. A search that ends without a proof has measured each pair that is as
+  /// near as the best one, so its answer is the first of them, wherever it began. This one tries no proof; it makes
+  /// sure that run() had none. Requires no tolerance and no limit of steps.
+  bool run_from(std::uint32_t target_index, std::uint32_t probe_index, double distance_it_had) {
+    has_start_ = true;
+    batch_.add(target_index, probe_index);
+    measure();
+    if (!found_ || best_ > kStillNear * distance_it_had || boxes_may_prove()) return false;
+    search();
+    return near_ties_ <= kWorthAProof && !boxes_may_prove();
+  }
+
+  double best() const { return best_; }
+  /// What is proven if the search is not finished: no pair is nearer.
+  double lower() const { return lower_; }
+  bool finished() const { return is_finished_; }
+  bool found() const { return found_; }
+  Vec3 on_target, on_probe;                   ///< the closest points
+  std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
+
+ private:
+  static constexpr int kDescents = 2;
+  static constexpr double kTies = 3;  // count_ties()
+
+  void search() {
+    std::array<NodePair, kLanes> children;
     double proof_tried_at = best_;
     queue_->clear();
     push(nodes_.root());
     while (!queue_->empty() && !is_settled_) {
+      const float least_sq = queue_->front().distance_sq;
+      if (least_sq > reach_sq_) return measure();
+      if (steps_.are_spent()) return give_up(least_sq);
+      steps_.take();
       const NodePair next = pop();
-      if (next.distance_sq > reach_sq_) return measure();
       if (next.is_leaf()) {
         look_at(next);
-        if (best_ < proof_tried_at) {
+        if (best_ < proof_tried_at && !has_start_) {
           proof_tried_at = best_;
           prove_by_boxes();
         }
@@ -55,26 +107,37 @@ class DistanceSearch {
     measure();
   }
 
-  double best() const { return best_; }
-  bool found() const { return found_; }
-  Vec3 on_target, on_probe;                   ///< the closest points
-  std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
-
- private:
-  static constexpr int kDescents = 2;
-
-  // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance.
+  // No pair that was dropped is nearer than this: by the tolerance, once there is a best pair.
+  double kept_within() const { return found_ ? best_ - tolerance_ : best_; }
+  double node_slack() const {
+    return kNodePairSlack * (pair_.target.body->radius + pair_.probe.body->radius) + pair_.pose_slack;
+  }
+  // Pairs whose distances differ by less than this are about as near: bounds hardly tell them apart.
+  double about(double distance) const { return node_slack() + kFarShare * distance; }
+  // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance,
+  // or that counts as about as near.
   void lower_reach() {
-    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
-    wanted_ = std::min((best_ - tolerance_) * (1 + kFarShare), kMaxMargin);
-    reach_ = static_cast<float>(wanted_ + kNodePairSlack * radii + pair_.pose_slack);
+    const double ties = has_start_ ? kTies * about(best_) : 0;
+    wanted_ = std::min((kept_within() + ties) * (1 + kFarShare), kMaxMargin);
+    reach_ = static_cast<float>(wanted_ + node_slack());
     reach_sq_ = squared(reach_);
   }
   static float squared(float reach) { return reach < 0 ? -1 : reach * reach * (kRoundUp * kRoundUp); }
 
-  void descend(std::array<NodePair, kLanes>& children) {
+  // Ends the search: the least bound of all nodes that wait, and what was dropped, are what is proven. A node with a
+  // bound above the reach would have been dropped; this takes from a bound what lower_reach() adds, and its rounding.
+  void give_up(float least_sq) {
+    measure();
+    const double of_nodes = (std::sqrt(static_cast<double>(least_sq)) * kRoundDown - node_slack()) / (1 + kFarShare);
+    lower_ = std::max(0.0, std::min(of_nodes, kept_within()));
+    is_finished_ = false;
+  }
+
+  void descend() {
+    std::array<NodePair, kLanes> children;
     NodePair at = nodes_.root();
     while (!at.is_leaf()) {
+      steps_.take();
       const int count = nodes_.open(at, reach_sq_, children);
       if (count == 0) return;
       at = *std::ranges::min_element(children.begin(), children.begin() + count, {}, &NodePair::distance_sq);
@@ -120,13 +183,18 @@ class DistanceSearch {
       past = std::remove_if(next, past, [&](const LeafPair& pair) { return pair.distance_sq > most_sq(); });
     }
     measure(leaves, next, past);
-    if (measured_ > kWorthAProof && found_) prove();
+    if (near_ties_ <= kWorthAProof) return;
+    if (has_start_)
+      is_settled_ = true;  // run() may find a proof
+    else
+      prove();
   }
 
   // Returns the first pair left. While nothing is found, every pair is measured at once; later the reach may lag
   // behind.
   LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
-    for (; next != past; ++next, ++measured_) {
+    steps_.take(past - next);
+    for (; next != past; ++next) {
       batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
       if (batch_.full()) measure();
     }
@@ -149,29 +217,53 @@ class DistanceSearch {
     return both;
   }
 
+  // Of pairs that are equally near, the first one counts: by its triangles, the target's before the probe's.
   void measure() {
     bool nearer = false;
     batch_.measure(
         [&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p, Vec3 of_q) {
-          if (!(distance_sq < best_ * best_)) return;
-          best_ = std::sqrt(distance_sq);
+          near_ties_ += distance_sq <= near_sq_;
+          if (distance_sq >= best_sq_) {
+            const bool precedes = std::pair(target_index, probe_index) < std::pair(of_target, of_probe);
+            if (!found_ || distance_sq > best_sq_ || !precedes) return;
+          }
+          nearer = nearer || distance_sq < best_sq_;
+          best_sq_ = distance_sq;
           on_target = of_p, on_probe = of_q;
           of_target = target_index, of_probe = probe_index;
-          found_ = nearer = true;
+          found_ = true;
         });
     if (!nearer) return;
+    best_ = std::sqrt(best_sq_);
+    count_ties();
     lower_reach();
     best_axes_ = axes_about(rotate_back(pair_.frame, on_probe - on_target));
     nodes_.set_axes(best_axes_);
+  }
+
+  // Counts pairs that are about as near as the best one. run() begins again when the best one has come nearer by more
+  // than pairs may differ: a proof is for those that are left. So all that it has counted when a proof succeeds are
+  // within two such differences of the least distance, and rounding. run_from() counts all pairs within three, of which
+  // it drops none: where it has counted few, no proof was tried that could have succeeded.
+  void count_ties() {
+    if (has_start_) {
+      near_sq_ = std::pow(best_ + kTies * about(best_), 2);
+    } else if (best_ < ties_of_ - about(ties_of_) || !(ties_of_ < std::numeric_limits<double>::infinity())) {
+      ties_of_ = best_;
+      near_ties_ = 0;
+      near_sq_ = std::pow(best_ + about(best_), 2);
+    }
   }
 
   // Many pairs may be equally near, for example between two plates: no bound in single precision drops them. But if a
   // plane separates the bodies by the distance of the best pair, no pair is nearer.
   void prove() {
     measure();
-    measured_ = 0;
+    near_ties_ = 0;
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
+    const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
+    steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
     const Vec3 direction = axes_about(on_probe - on_target)[0];
     is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
   }
@@ -189,11 +281,22 @@ class DistanceSearch {
     }
   }
 
+  // Whether prove_by_boxes() could succeed along any direction n, with any pair. Then n is nearly that of the best
+  // pair, u: the points of that pair are in the boxes, so n.u >= 1 - error / distance, and |n - u|^2 <= 2 * error /
+  // distance. A gap along u is less than along n by no more than |n - u| times the extent of the boxes, which is at
+  // most twice that of the bodies.
+  bool boxes_may_prove() const {
+    const Vec3 direction = axes_about(on_probe - on_target)[0];
+    const double gap = -reach_of_box(pair_.probe, -direction) - reach_of_box(pair_.target, direction);
+    const double error = 4 * kGapRounding * extent(), turned = 4 * std::sqrt(error / best_);
+    return !(gap < best_ - error - turned * extent());
+  }
+  double extent() const { return best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius); }
+
   // Whether bodies with these reaches towards each other, along a direction from the closest point on the target, leave
   // a gap that proves that no pair is nearer than the best one.
   bool is_proof(double reach_of_probe, double reach_of_target) const {
-    const double extent = best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius);
-    return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent;
+    return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent();
   }
   double reach_along(const PlacedBody& body, const Vec3& direction, const Vec3& corner) const {
     return dot(direction, (body.moved ? apply(body.pose, corner) : corner) - on_target);
@@ -217,38 +320,57 @@ class DistanceSearch {
   const QueryPair& pair_;
   NodePairs nodes_;
   const double tolerance_;
-  double best_, wanted_ = 0;
+  double best_, best_sq_, wanted_ = 0, lower_ = 0;
   float reach_ = 0, reach_sq_ = 0;
-  bool found_ = false, is_settled_ = false;
+  bool found_ = false, is_settled_ = false, is_finished_ = true;
+  bool has_start_ = false;  // it is run_from()
+  Steps& steps_;
   std::array<Vec3, 3> best_axes_;  // in the target's frame
-  std::int64_t measured_ = 0;      // pairs, since a proof was tried
+  std::int64_t near_ties_ = 0;     // pairs within near_sq_, since a proof was tried
+  double ties_of_ = std::numeric_limits<double>::infinity(), near_sq_ = 0;
   double proof_tried_at_ = -1;
   PairBatch batch_;
   const KeptByThread<std::vector<NodePair>> queue_;
 };
 
+// Whether a search may begin with the pair of a state: its answer does not depend on where it began only if it is the
+// least distance.
+bool may_begin_with(const DistanceState& state, const QueryPair& pair, const DistanceOptions& options) {
+  return state.of_target < pair.target.body->corners.size() && state.of_probe < pair.probe.body->corners.size() &&
+         options.tolerance == 0 && options.max_steps == 0;
+}
+
 DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
-                                const DistanceOptions& options, const Kernels& kernels) {
+                                const DistanceOptions& options, const Kernels& kernels, DistanceState& state) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
   DistanceResult result;
+  Steps steps(options.max_steps);
   std::uint32_t of_target = 0, of_probe = 0;
   Vec3 on_target, on_probe;
-  if (const auto intersecting = find_intersecting_pair(pair, 0)) {
+  if (const auto intersecting = find_intersecting_pair(pair, 0, steps)) {
     of_target = intersecting->of_target, of_probe = intersecting->of_probe;
     on_target = on_probe = common_point(pair.target.world(of_target), pair.probe.world(of_probe));
   } else {
-    DistanceSearch search(pair, options.tolerance, options.limit);
-    search.run();
-    if (!search.found()) {
-      result.lower = options.limit;
+    const bool may_intersect = steps.are_spent();
+    std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
+    if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
+      search.emplace(pair, options, steps);
+      search->run();
+    }
+    result.finished = search->finished() && !may_intersect;
+    if (!search->found()) {
+      result.lower = result.finished ? options.limit : may_intersect ? 0 : search->lower();
       result.upper = std::numeric_limits<double>::infinity();
       return result;
     }
-    of_target = search.of_target, of_probe = search.of_probe;
-    on_target = search.on_target, on_probe = search.on_probe;
-    result.upper = search.best();
-    result.lower = std::max(0.0, result.upper - options.tolerance);
+    of_target = search->of_target, of_probe = search->of_probe;
+    on_target = search->on_target, on_probe = search->on_probe;
+    result.upper = search->best();
+    result.lower = result.finished ? std::max(0.0, result.upper - options.tolerance)
+                   : may_intersect ? 0
+                                   : std::min(search->lower(), result.upper);
   }
+  state = {of_target, of_probe, result.upper};
   if (pair.swapped) std::swap(on_target, on_probe);
   result.point_a = on_target, result.point_b = on_probe;
   const TrianglesOfBoth triangles = pair.triangles_of(of_target, of_probe);
@@ -261,17 +383,25 @@ void check(const DistanceOptions& options) {
     throw Error(ErrorCode::usage,
                 "distance: tolerance and limit must be zero or more, and the tolerance finite; without them the "
                 "distance is exact");
+  if (options.max_steps < 0)
+    throw Error(ErrorCode::usage, "distance: max_steps must not be negative; give 0 for no limit");
 }
 
 }  // namespace
 }  // namespace collision
 
 DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
-                        const DistanceOptions& options) try {
+                        const DistanceOptions& options) {
+  DistanceState none;
+  return distance(a, pose_a, b, pose_b, options, none);
+}
+
+DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+                        const DistanceOptions& options, DistanceState& state) try {
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  return collision::distance_checked(a, pose_a, b, pose_b, options, collision::best_kernels());
+  return collision::distance_checked(a, pose_a, b, pose_b, options, collision::best_kernels(), state);
 } catch (...) {
   throw_as_error("distance");
 }
@@ -284,8 +414,10 @@ BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, cons
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "distance");
+  // Poses that follow each other are often near each other.
+  tbb::enumerable_thread_specific<DistanceState> states;
   auto results = collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels);
+    return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels, states.local());
   });
   return {std::move(results), {.backend = "cpu", .device = {}}};
 } catch (...) {

@@ -93,9 +93,9 @@ class NodePairs {
   }
 
   /// Calls use(target's leaf, probe's leaf) for each pair of leaves whose boxes may be within `margin`, the nearer
-  /// nodes first, until it returns false. Returns false if it did.
+  /// nodes first, until it returns false or the steps are spent. Returns false then.
   template <class Use>
-  bool visit_leaves(double margin, Use use) const {
+  bool visit_leaves(double margin, Steps& steps, Use use) const {
     const double radii = pair_.target.body->radius + pair_.probe.body->radius;
     const auto reach = static_cast<float>(margin * (1 + kFarShare) + kNodePairSlack * radii + pair_.pose_slack);
     const float most_sq = reach * reach * (kRoundUp * kRoundUp);
@@ -103,6 +103,8 @@ class NodePairs {
     waiting->assign(1, root());
     std::array<NodePair, kLanes> children;
     while (!waiting->empty()) {
+      if (steps.are_spent()) return false;
+      steps.take();
       const NodePair next = waiting->back();
       waiting->pop_back();
       if (next.is_leaf()) {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -97,6 +99,19 @@ struct QueryPair {
   bool boxes_apart(double by) const;
   /// The probe's box in the target's frame, grown by `by`.
   FloatBox region(float by) const;
+};
+
+/// Counts the steps of a query: pairs of BVH nodes that are looked at and pairs of triangles that are tested or
+/// measured. The count depends on the bodies and the poses alone, never on the instruction set.
+class Steps {
+ public:
+  /// 0: no limit.
+  explicit Steps(std::int64_t most) : most_(most == 0 ? std::numeric_limits<std::int64_t>::max() : most) {}
+  void take(std::int64_t count = 1) { taken_ += count; }
+  bool are_spent() const { return taken_ >= most_; }
+
+ private:
+  std::int64_t most_, taken_ = 0;
 };
 
 /// Writes the lanes whose gap is at most `limit`, the nearest first; returns their number.

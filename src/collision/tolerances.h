@@ -91,8 +91,8 @@ inline constexpr double kSmallProbe = 8;
 /// A pair of nodes is advanced while it moves by more than this share of the larger box in a step: shorter steps cost
 /// more than its children's.
 inline constexpr double kWorthwhileNodeStep = 0.1;
-/// After so many steps for each leaf of both bodies a sweep finds the orbits of all nodes, which takes about half as long
-/// as these steps.
+/// After so many steps for each leaf of both bodies a sweep finds the orbits of all nodes, which takes about half as
+/// long as these steps.
 inline constexpr std::int64_t kWorthOrbits = 2;
 /// The triangles of two leaves are followed for the time in which they move by the larger box's size; for a shorter
 /// one, but not for less than this share of it, while more pairs than this may meet.

@@ -56,6 +56,8 @@ TEST(Misuse, QueriesAtAnyPose) {
     const std::vector<RigidMotion> motions{{}, {{}, pose, {}}, {pose, {}, {}}};
     expect_answer_or_error("collide", [&] { collide(body(), pose, body(), {}); });
     expect_answer_or_error("distance", [&] { distance(body(), {}, body(), pose); });
+    DistanceState state{7, 1'000'000, -1};
+    expect_answer_or_error("distance", [&] { distance(body(), {}, body(), pose, {}, state); });
     expect_answer_or_error("contacts", [&] { contacts(body(), pose, body(), pose); });
     expect_answer_or_error("sweep", [&] { sweep(body(), pose, body(), {}); });
     expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, {.threads = 1}); });
@@ -105,6 +107,7 @@ TEST(Misuse, OptionsOfQueries) {
     expect_answer_or_error(named("max_steps", n), [&] {
       sweep_path(body(), {}, body(), std::vector{motion, motion}, {.max_steps = n});
     });
+    expect_answer_or_error(named("max_steps", n), [&] { distance(body(), {}, body(), {}, {.max_steps = n}); });
   }
 }
 

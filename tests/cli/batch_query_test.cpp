@@ -99,6 +99,9 @@ TEST_F(BatchQuery, TheSummaryCounts) {
   const Json near = done(words("distance scene:box scene:box --poses poses.csv --limit 0.2 --json")).json();
   EXPECT_EQ(near["counts"]["touching"], 2);
   EXPECT_EQ(near["counts"]["beyond_limit"], 1);
+  EXPECT_FALSE(near["counts"].contains("unfinished"));
+  const Ran early = done(words("distance scene:sphere:2000 scene:sphere:2000 --poses poses.csv --max-steps 1"));
+  EXPECT_TRUE(early.out.starts_with("pose,lower,upper,ax,ay,az,bx,by,bz,triangle_a,triangle_b,finished\n0,"));
 }
 
 TEST_F(BatchQuery, StandardInput) {

@@ -67,6 +67,12 @@ TEST_F(CollisionVerbs, DistanceAndSweep) {
   const Json beyond = done(words("distance scene:box scene:box --pose 5,0,0 --limit 2 --json")).json();
   EXPECT_EQ(beyond["lower"], 2);
   EXPECT_TRUE(beyond["upper"].is_null());
+  const std::string gives_up = "distance scene:sphere:2000 scene:sphere:2000 --pose 5,4,3 --max-steps 1";
+  EXPECT_TRUE(done(words(gives_up)).out.ends_with("; --max-steps ended the search there\n"));
+  const Json bounds = done(words(gives_up + " --json")).json();
+  EXPECT_EQ(bounds["finished"], false);
+  EXPECT_LT(bounds["lower"].get<double>(), bounds["upper"].get<double>());
+  EXPECT_EQ(near["finished"], true);
   const Json swept = done(words("sweep scene:box scene:box --from 5,0,0 --to -5,0,0 --json")).json();
   EXPECT_EQ(swept["hit"], true);
   EXPECT_NEAR(swept["time"].get<double>(), 0.3, 1e-5);

@@ -24,6 +24,7 @@ inline void expect_same(const DistanceResult& a, const DistanceResult& b) {
   EXPECT_EQ(a.point_b, b.point_b);
   EXPECT_EQ(a.triangle_a, b.triangle_a);
   EXPECT_EQ(a.triangle_b, b.triangle_b);
+  EXPECT_EQ(a.finished, b.finished);
 }
 
 inline void expect_same(const ContactResult& a, const ContactResult& b) {

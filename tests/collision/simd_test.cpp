@@ -35,6 +35,7 @@ TEST_P(SimdOfQueries, GivesTheSameBits) {
   const auto hits = collide_all(a_, {}, b_, poses_, near, with_).results;
   const auto verdicts = collide_all(a_, {}, b_, poses_, certified, with_).results;
   const auto distances = distance_all(a_, {}, b_, poses_, {}, with_).results;
+  const auto bounds = distance_all(a_, {}, b_, poses_, {.max_steps = 60}, with_).results;
   const auto contact = contacts_all(a_, {}, b_, poses_, few, with_).results;
   const auto swept = sweep_all(a_, {}, b_, motions_, {}, with_).results;
   for (std::size_t n = 0; n < poses_.size(); ++n) {
@@ -42,6 +43,7 @@ TEST_P(SimdOfQueries, GivesTheSameBits) {
     expect_same(hits[n], collide(a_, {}, b_, poses_[n], near));
     expect_same(verdicts[n], collide(a_, {}, b_, poses_[n], certified));
     expect_same(distances[n], distance(a_, {}, b_, poses_[n]));
+    expect_same(bounds[n], distance(a_, {}, b_, poses_[n], {.max_steps = 60}));
     expect_same(contact[n], contacts(a_, {}, b_, poses_[n], few));
     if (n < motions_.size()) expect_same(swept[n], sweep(a_, {}, b_, motions_[n]));
   }
