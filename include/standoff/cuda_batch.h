@@ -32,7 +32,7 @@ struct BatchTask {
   const std::int64_t* first_vertex = nullptr;    ///< count + 1 numbers: ascending, from 0 to vertex_count
   const std::int64_t* first_triangle = nullptr;  ///< count + 1 numbers: ascending, from 0 to triangle_count
   std::int64_t vertex_count = 0;                 ///< of all meshes
-  std::int64_t triangle_count = 0;               ///< of all meshes: 0 to 2^32 - 2
+  std::int64_t triangle_count = 0;               ///< of all meshes: 0 to kMaxTriangles
   const BatchPlace* places = nullptr;            ///< one per mesh
   Size3 size;                                    ///< samples of every field
   float* values = nullptr;                       ///< count * size samples: x fastest, one field behind the other

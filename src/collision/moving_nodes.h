@@ -46,7 +46,7 @@ class MovingNodePairs {
     axis_ = rotate_back(frame_, path.rotation.axis);
     along_ = dot(velocity_.linear, axis_);
     aside_ = length(velocity_.linear - axis_ * along_);
-    // Else the axis goes so far aside that orbits say nothing.
+    // Where the axis goes farther aside, orbits hardly tell anything.
     turns_ = aside_ < rate * moving_.body->radius / 4;
   }
 

@@ -46,10 +46,11 @@ struct Orbits {
       const Vec3 arm = corner - center;
       const double along = dot(arm, axis);
       b.along_axis.add(along);
+      const Vec3 from_axis = arm - axis * along;
       // The largest distance is that of a corner, as the distance is convex. All of the triangle is at least as far in
-      // a direction as the nearest of its corners.
-      b.from_axis.high = std::max(b.from_axis.high, length(arm - axis * along));
-      b.from_axis.low = std::min(b.from_axis.low, dot(arm, across));
+      // any direction as the nearest of its corners; the direction may be rounding, where the middle is near the axis.
+      b.from_axis.high = std::max(b.from_axis.high, length(from_axis));
+      b.from_axis.low = std::min(b.from_axis.low, dot(from_axis, across));
       b.from_center.high = std::max(b.from_center.high, length(arm));
       b.from_center.low = std::min(b.from_center.low, dot(arm, outwards));
     }

@@ -149,8 +149,10 @@ class SweepSearch {
         unfinished.finished = false;
         return unfinished;
       }
-      if (steps_.taken - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_)
-        nodes_.find_orbits(), knows_orbits_ = true;
+      if (steps_.taken - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_) {
+        nodes_.find_orbits();
+        knows_orbits_ = true;
+      }
       if (nodes_.stay_apart(next)) continue;
       if (field_pays_ && has_whole_target(next))
         advance_by_field(next);

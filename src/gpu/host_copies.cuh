@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -55,15 +56,19 @@ class Pieces {
   std::array<Piece, 2 * kCopyWorkers> pieces_;
 };
 
-/// The pieces kept for this device, or new ones if another call uses them.
+/// The pieces kept for the current device, or new ones if another call uses them.
 class BorrowedPieces {
  public:
   BorrowedPieces() : device_(current_device()) {
     {
       const std::lock_guard lock(kept().taking);
-      if (kept().device == device_) mine_ = std::move(kept().pieces);
+      mine_ = std::move(kept().of_device[device_]);
     }
     if (!mine_) mine_ = std::make_unique<Pieces>();
+  }
+  /// If an exception ends the call, copies may be under way still.
+  ~BorrowedPieces() {
+    if (mine_) finish_copies();
   }
   BorrowedPieces(const BorrowedPieces&) = delete;
   BorrowedPieces& operator=(const BorrowedPieces&) = delete;
@@ -71,19 +76,18 @@ class BorrowedPieces {
   int device() const { return device_; }
   Pieces* operator->() const { return mine_.get(); }
 
-  /// Once all copies are done: keeps the pieces for the next call. Without this, as after an exception, they are freed,
-  /// which waits for copies that are under way.
+  /// Once all copies are done: keeps the pieces for the next call, if no other call has left some meanwhile.
   void give_back() {
+    std::unique_ptr<Pieces> done = std::move(mine_);  // freed at the end, outside of the lock
     const std::lock_guard lock(kept().taking);
-    kept().device = device_;
-    kept().pieces.swap(mine_);
+    std::unique_ptr<Pieces>& place = kept().of_device[device_];
+    if (!place) place = std::move(done);
   }
 
  private:
   struct Kept {
     std::mutex taking;
-    int device = 0;
-    std::unique_ptr<Pieces> pieces;
+    std::map<int, std::unique_ptr<Pieces>> of_device;
   };
   // It is never destroyed: CUDA may end before this library does.
   static Kept& kept() {
@@ -98,6 +102,22 @@ class BorrowedPieces {
 /// The number of workers for so many bytes: each has a piece at least.
 inline int copy_workers(std::int64_t bytes) {
   return static_cast<int>(std::clamp<std::int64_t>(bytes / kPieceBytes, 1, kCopyWorkers));
+}
+
+/// Calls work(worker, n) for n from 0 to count - 1, on several workers with the device of the pieces. After an
+/// exception no further n is begun.
+template <class Work>
+void share_out(int threads, int workers, int device, std::int64_t count, const Work& work) {
+  std::atomic<std::int64_t> next{0};
+  side_by_side(threads, workers, [&](int worker) {
+    const DeviceScope scope(device);
+    try {
+      for (std::int64_t n = next++; n < count; n = next++) work(worker, n);
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  });
 }
 
 /// `count` items of `item_bytes` each, for the device's memory at `to`. fill(piece, first, count) writes the next ones
@@ -116,23 +136,19 @@ inline void copy_in_by_pieces(int threads, std::initializer_list<HostArray> arra
   std::int64_t pieces = 0, bytes = 0;
   for (const HostArray& array : arrays) pieces += array.pieces(), bytes += array.count * array.item_bytes;
   BorrowedPieces borrowed;
-  std::atomic<std::int64_t> next{0};
-  side_by_side(threads, copy_workers(bytes), [&](int worker) {
-    const DeviceScope scope(borrowed.device());
-    bool second = false;
+  std::array<bool, kCopyWorkers> second{};  // the piece of a worker whose turn it is
+  share_out(threads, copy_workers(bytes), borrowed.device(), pieces, [&](int worker, std::int64_t n) {
     const HostArray* array = arrays.begin();
-    std::int64_t before = 0;  // pieces of the arrays before this one
-    for (std::int64_t n = next++; n < pieces; n = next++, second = !second) {
-      for (; n - before >= array->pieces(); ++array) before += array->pieces();
-      Pieces::Piece& piece = borrowed->of(worker, second);
-      piece.wait();
-      const std::int64_t first = (n - before) * array->at_once(),
-                         count = std::min(array->at_once(), array->count - first);
-      array->fill(piece.at(), first, count);
-      copy_in_later(static_cast<char*>(array->to) + first * array->item_bytes, piece.at(), count * array->item_bytes,
-                    nullptr);
-      piece.mark();
-    }
+    for (; n >= array->pieces(); ++array) n -= array->pieces();
+    bool& turn = second[static_cast<std::size_t>(worker)];
+    Pieces::Piece& piece = borrowed->of(worker, turn);
+    turn = !turn;
+    piece.wait();
+    const std::int64_t first = n * array->at_once(), count = std::min(array->at_once(), array->count - first);
+    array->fill(piece.at(), first, count);
+    copy_in_later(static_cast<char*>(array->to) + first * array->item_bytes, piece.at(), count * array->item_bytes,
+                  nullptr);
+    piece.mark();
   });
   wait_for(nullptr);
   borrowed.give_back();
@@ -149,28 +165,25 @@ struct CutOfCopies {
 template <class Begin, class Copy, class Use>
 void copy_out_by_pieces(int threads, const CutOfCopies& cut, const Begin& begin, const Copy& copy, const Use& use) {
   const std::int64_t ranges = (cut.count + cut.taken - 1) / cut.taken;
+  const int workers = copy_workers(cut.count * cut.item_bytes);
   BorrowedPieces borrowed;
-  std::atomic<std::int64_t> next{0};
-  side_by_side(threads, copy_workers(cut.count * cut.item_bytes), [&](int worker) {
-    const DeviceScope scope(borrowed.device());
-    for (std::int64_t n = next++; n < ranges; n = next++) {
-      const std::int64_t from = n * cut.taken, to = std::min(cut.count, from + cut.taken);
-      begin(worker, from, to - from);
-      const auto piece_of = [&](std::int64_t first) -> Pieces::Piece& {
-        return borrowed->of(worker, (first - from) / cut.at_once % 2 != 0);
-      };
-      const auto size_of = [&](std::int64_t first) { return std::min(cut.at_once, to - first); };
-      const auto ask = [&](std::int64_t first) {
-        if (first >= to) return;
-        copy(piece_of(first).at(), first, size_of(first));
-        piece_of(first).mark();
-      };
-      ask(from);
-      for (std::int64_t first = from; first < to; first += cut.at_once) {
-        ask(first + cut.at_once);
-        piece_of(first).wait();
-        use(worker, piece_of(first).at(), first, size_of(first));
-      }
+  share_out(threads, workers, borrowed.device(), ranges, [&](int worker, std::int64_t n) {
+    const std::int64_t from = n * cut.taken, to = std::min(cut.count, from + cut.taken);
+    begin(worker, from, to - from);
+    const auto piece_of = [&](std::int64_t first) -> Pieces::Piece& {
+      return borrowed->of(worker, (first - from) / cut.at_once % 2 != 0);
+    };
+    const auto size_of = [&](std::int64_t first) { return std::min(cut.at_once, to - first); };
+    const auto ask = [&](std::int64_t first) {
+      if (first >= to) return;
+      copy(piece_of(first).at(), first, size_of(first));
+      piece_of(first).mark();
+    };
+    ask(from);
+    for (std::int64_t first = from; first < to; first += cut.at_once) {
+      ask(first + cut.at_once);
+      piece_of(first).wait();
+      use(worker, piece_of(first).at(), first, size_of(first));
     }
   });
   borrowed.give_back();

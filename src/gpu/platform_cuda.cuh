@@ -9,7 +9,7 @@
 #define STANDOFF_HAVE_NVTX 1
 #endif
 #include <cstdint>
-#include <new>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -113,6 +113,11 @@ inline void wait_for(Stream stream, const CallSite& at = CallSite::current()) {
   check_call(cudaStreamSynchronize(stream), "cudaStreamSynchronize", at);
 }
 
+/// Waits for the default stream, after a failure, where nothing more may be thrown.
+inline void finish_copies() noexcept {
+  if (cudaStreamSynchronize(nullptr) != cudaSuccess) cudaGetLastError();
+}
+
 inline int current_device(const CallSite& at = CallSite::current()) {
   int device = 0;
   check_call(cudaGetDevice(&device), "cudaGetDevice", at);
@@ -156,24 +161,30 @@ class Memory {
   void* at_ = nullptr;
 };
 
-/// Host memory that the GPU reads and writes by itself. Throws std::bad_alloc if there is not enough.
+/// Host memory that the GPU reads and writes by itself. If the system pins no more, plain memory takes its place, from
+/// and to which copies are slower.
 class PinnedMemory {
  public:
   explicit PinnedMemory(std::int64_t bytes, const CallSite& at = CallSite::current()) {
     const cudaError_t result = cudaHostAlloc(&at_, static_cast<std::size_t>(bytes), cudaHostAllocPortable);
     if (result == cudaErrorMemoryAllocation) {
       cudaGetLastError();
-      throw std::bad_alloc();
+      plain_ = std::make_unique<char[]>(static_cast<std::size_t>(bytes));
+      at_ = plain_.get();
+      return;
     }
     check_call(result, "cudaHostAlloc", at);
   }
-  ~PinnedMemory() { cudaFreeHost(at_); }
+  ~PinnedMemory() {
+    if (!plain_ && cudaFreeHost(at_) != cudaSuccess) cudaGetLastError();
+  }
   PinnedMemory(const PinnedMemory&) = delete;
   PinnedMemory& operator=(const PinnedMemory&) = delete;
   void* at() const { return at_; }
 
  private:
   void* at_ = nullptr;
+  std::unique_ptr<char[]> plain_;
 };
 
 /// A point of a stream that the host can wait for. Until one is recorded, there is nothing to wait for.
@@ -182,7 +193,9 @@ class Event {
   explicit Event(const CallSite& at = CallSite::current()) {
     check_call(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreateWithFlags", at);
   }
-  ~Event() { cudaEventDestroy(event_); }
+  ~Event() {
+    if (cudaEventDestroy(event_) != cudaSuccess) cudaGetLastError();
+  }
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
   void record(Stream stream, const CallSite& at = CallSite::current()) {

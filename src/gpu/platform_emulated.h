@@ -66,6 +66,9 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes) {
 
 inline void copy_in_later(void* to, const void* from, std::int64_t bytes, Stream) { copy_in(to, from, bytes); }
 inline void copy_out_later(void* to, const void* from, std::int64_t bytes, Stream) { copy_out(to, from, bytes); }
+/// Does nothing, as wait_for().
+inline void finish_copies() noexcept {}
+
 inline int current_device() { return 0; }
 
 /// The emulated GPU's memory: bytes taken, and bytes in all, which tests may change.

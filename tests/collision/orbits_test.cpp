@@ -25,6 +25,28 @@ Corners moved(const Corners& corners, const Orbits& orbits, Vec3 velocity, doubl
   return at;
 }
 
+// A middle on the axis has no direction away from it, and one near it none but rounding.
+TEST(Orbits, BoundsOfATriangleAroundTheAxis) {
+  testing::Random random(812);
+  for (int round = 0; round < 2000; ++round) {
+    Vec3 axis = random.in_cube(1);
+    axis = axis * (1 / length(axis));
+    const Vec3 first = cross(axis, std::abs(axis.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}),
+               p = first * (1 / length(first)), q = cross(axis, p);
+    Corners corners;
+    const double off = round % 2 == 0 ? 0 : std::pow(10.0, -6 - round % 9);
+    for (int k = 0; k < 3; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 3;
+      corners[static_cast<std::size_t>(k)] =
+          axis * 10 + p * (0.5 * std::cos(angle) + off) + q * (0.5 * std::sin(angle));
+    }
+    const OrbitBounds bounds = Orbits{.axis = axis}.bounds(corners);
+    ASSERT_LE(bounds.from_axis.low, 1e-14) << round;  // the axis passes through the triangle
+    ASSERT_LE(bounds.from_center.low, 10 + 1e-12);
+    ASSERT_GE(bounds.from_axis.high, 0.5 - 1e-12);
+  }
+}
+
 // Of each rule by itself, and of all together: whether pairs that they keep apart are farther apart than `keep` at 60
 // times of the motion. Each rule must know some such pair.
 TEST(Orbits, TrianglesThatTheyKeepApartNeverMeet) {

@@ -103,11 +103,13 @@ Counts run_on_all(const Job& job, Windows& windows, Sink& sink) {
   std::mutex finishing;
   std::exception_ptr error;
   Counts sum;
+  Job each = job;  // the devices share the threads that move what they copy
+  each.threads = std::max(1, job.threads / static_cast<int>(job.devices.size()));
   std::vector<std::jthread> threads;
   for (const int device : job.devices)
     threads.emplace_back([&, device] {
       try {
-        const Counts counts = run_on<Pipeline>(device, job, windows, sink);
+        const Counts counts = run_on<Pipeline>(device, each, windows, sink);
         const std::lock_guard lock(finishing);
         sum.samples_examined += counts.samples_examined;
         sum.samples_band += counts.samples_band;

@@ -15,11 +15,12 @@ namespace standoff {
 /// Throws Error{usage} or Error{limit} unless counts and sizes are in range.
 inline void check_sizes(const cuda::BatchTask& task) {
   validate(Grid{task.size, {}, {1, 1, 1}});
-  if (task.count < 0 || task.vertex_count < 0 || task.triangle_count < 0 || task.triangle_count >= kNoTriangle)
+  if (task.count < 0 || task.vertex_count < 0 || task.triangle_count < 0 ||
+      static_cast<std::uint64_t>(task.triangle_count) > kMaxTriangles)
     throw Error(ErrorCode::usage, "cuda: " + std::to_string(task.count) + " meshes with " +
                                       std::to_string(task.vertex_count) + " vertices and " +
                                       std::to_string(task.triangle_count) +
-                                      " triangles are out of range; give no negative number, and at most 4294967294 "
+                                      " triangles are out of range; give no negative number, and at most 4000000000 "
                                       "triangles in all");
   if (task.count > (std::int64_t{1} << 53) / task.size.count())
     throw Error(ErrorCode::limit, "cuda: " + std::to_string(task.count) + " fields of " +
