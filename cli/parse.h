@@ -88,9 +88,9 @@ Colormap parse_colormap(const std::string& option, const std::string& text);
 
 /// Finite numbers with commas between them, and blanks around them. Errors: usage, as above.
 std::vector<double> numbers_in(std::string_view text);
-/// Three numbers: x,y,z, none past kMaxPosition.
 /// The numbers of a screw: a point, an axis, degrees and the way along the axis, which is 0 if it is left out.
 std::vector<double> parse_screw(const std::string& option, const std::string& text);
+/// Three numbers: x,y,z, none past kMaxPosition.
 Vec3 parse_point(const std::string& option, const std::string& text);
 
 /// The index of `text` among `choices`.

@@ -219,7 +219,7 @@ STANDOFF_API Pose pose_at(const RigidMotion& motion, double t);
 struct SweepOptions {
   /// Surfaces within this distance count as touching; world units, 0 to kMaxMargin. 0: automatic_tolerance(a, b). A
   /// tolerance below 2^-48 of the coordinates of poses, meshes and motions counts as 2^-48 of them, because rounding
-  /// may move bodies that far.
+  /// may move bodies that far; where a body turns far, 4e-16 of the arc that it describes counts as well.
   double tolerance = 0;
   /// About the most steps that a sweep takes on the CPU, pairs of BVH nodes or of triangles; 0: no limit. A step takes
   /// about a microsecond. A sweep that needs more is not finished.
@@ -253,7 +253,7 @@ STANDOFF_API SweepResult sweep(const Body& a, const Pose& pose_a, const Body& b,
                                const SweepOptions& options = {});
 
 struct PathSweepResult {
-  std::int64_t motion = 0;  ///< the motion in which the sweep ended, from 0; the last one if there is no hit
+  std::int64_t motion = 0;  ///< the motion in which the sweep ended, from 0; the last one if the path is free
   SweepResult sweep;        ///< of that motion; b intersects a in no motion before it
 };
 
@@ -280,7 +280,8 @@ STANDOFF_API Pose spline_pose_at(const SplineMotion& motion, double t);
 
 /// sweep() along a curve. The curve is swept in pieces, as chords, with a bound of its distance from them: no contact
 /// is missed. If the bodies start within the tolerance, it is a hit at time 0. `max_steps` counts the steps of all
-/// pieces. Errors: as sweep and spline_pose_at.
+/// sweeps of pieces, but not the distance that each begins with. Tolerances below 2^-45 of the coordinates count as
+/// that. Errors: as sweep and spline_pose_at.
 STANDOFF_API SweepResult sweep_spline(const Body& a, const Pose& pose_a, const Body& b, const SplineMotion& motion,
                                       const SweepOptions& options = {});
 

@@ -99,11 +99,11 @@ double arm_of(const RigidMotion& motion, const BodyData& body) {
 AxisAngleMotion::AxisAngleMotion(const RigidMotion& m) : poses(m) {
   if (has_axis(m))
     rotation = axis_angle_of(m.axis, m.angle_rad);
-  else if (m.start.rotation == m.end.rotation)
-    // Without a rotation all points move on straight lines, and a centre far away would only bring its rounding.
-    poses.center = {};
-  else
+  else if (m.start.rotation != m.end.rotation)
     rotation = shorter_rotation(times_transposed(m.end.rotation, m.start.rotation));
+  // Without a rotation all points move on straight lines, as at() has them: a centre far away would bring its rounding,
+  // and, where the last pose is turned a little, another line.
+  if (rotation.angle_rad == 0) poses.center = {};
   center = apply(m.start, poses.center);
   velocity = apply(m.end, poses.center) - center;
 }
@@ -168,9 +168,6 @@ double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, doub
   return kNodeReserve * tolerance + pair.pose_slack + on_the_way + time_rounding(pair, path);
 }
 
-namespace {
-
-// How far a point of the body may be at the last pose from where the even rotation ends.
 double jump_at_end(const AxisAngleMotion& path, const BodyData& body) {
   const RigidMotion& m = path.poses;
   if (!has_axis(m) && m.start.rotation == m.end.rotation) return 0;
@@ -182,8 +179,6 @@ double jump_at_end(const AxisAngleMotion& path, const BodyData& body) {
   }
   return std::sqrt(off_sq) * arm_of(m, body);
 }
-
-}  // namespace
 
 bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double tolerance) {
   return !(jump_at_end(path, data_of(moving)) < tolerance / 4);
@@ -215,8 +210,11 @@ void validate(const char* what, const RigidMotion& motion) {
 
 // Times are rounded. Where that alone moves a body by a good part of its size, no path is left to follow.
 void check_length(const Body& a, const Body& b, const RigidMotion& motion, double tolerance) {
-  double way = length(apply(motion.end, motion.center) - apply(motion.start, motion.center));
-  if (has_axis(motion)) way += std::abs(motion.angle_rad) * arm_of(motion, data_of(b));
+  check_length(a, b, length(apply(motion.end, motion.center) - apply(motion.start, motion.center)), motion, tolerance);
+}
+
+void check_length(const Body& a, const Body& b, double way, const RigidMotion& turn, double tolerance) {
+  if (has_axis(turn)) way += std::abs(turn.angle_rad) * arm_of(turn, data_of(b));
   if (kTimeRounding * way <= std::max(tolerance, (data_of(a).radius + data_of(b).radius) / 8)) return;
   throw Error(ErrorCode::usage,
               "sweep: the motion is so long that rounding alone moves bodies of this size by a good part of it; "

@@ -55,19 +55,23 @@ double jump_between(const Pose& from, const Pose& to, const BodyData& body) {
   return length(apply(to, body.middle) - apply(from, body.middle)) + std::sqrt(off_sq) * body.radius;
 }
 
-// Throws an error that names the first motion that does not begin where the one before ends. Bodies are half of the
-// tolerance apart all the time, so a jump of a quarter of it passes through nothing.
-void check_joints(const Body& b, std::span<const RigidMotion> path, double tolerance) {
+// How far b jumps where each motion begins: from where the one before ends, and at its end from where its rotation
+// leads. Throws an error that names the first motion with too long a jump.
+std::vector<double> jumps_of(const Body& b, std::span<const RigidMotion> path, double tolerance) {
+  std::vector<double> jumps(path.size());
   for (std::size_t n = 1; n < path.size(); ++n) {
     const Pose &from = path[n - 1].end, &to = path[n].start;
     const double far = length(to.translation) + length(data_of(b).middle) + data_of(b).radius;
-    const double allowed = std::max(tolerance, 2 * kPoseRounding * far) / 4, jump = jump_between(from, to, data_of(b));
+    const double allowed = std::max(tolerance, 2 * kPoseRounding * far) / 4;
+    const double jump = jumps[n] =
+        jump_between(from, to, data_of(b)) + jump_at_end(AxisAngleMotion(path[n - 1]), data_of(b));
     if (!(jump <= allowed))
       throw Error(ErrorCode::usage, "sweep_path: motion " + std::to_string(n) + " does not begin where motion " +
                                         std::to_string(n - 1) + " ends: a point of b jumps by up to " +
                                         number_text(jump) + ", and " + number_text(allowed) +
                                         ", a quarter of the tolerance, is allowed; begin it at the end of the other");
   }
+  return jumps;
 }
 
 // Motions that go to the device at a time: enough to fill any GPU, at some 200 bytes each.
@@ -181,15 +185,19 @@ PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const Body& b, std
     throw Error(ErrorCode::usage, "sweep_path: the path has no motion; give at least one, even if b rests in it");
   const SweepOptions asked = collision::checked(a, b, path, options);
   validate(pose_a);
-  collision::check_joints(b, path, asked.tolerance);
+  const std::vector<double> jumps = collision::jumps_of(b, path, asked.tolerance);
   collision::StepLimit steps{asked.max_steps};
   PathSweepResult found;
-  for (const RigidMotion& motion : path) {
-    found.sweep = collision::sweep_exactly(a, pose_a, b, motion, asked.tolerance, steps, collision::best_kernels());
-    if (found.sweep.hit || !found.sweep.finished) return found;
-    ++found.motion;
+  for (std::size_t n = 0; n < path.size(); ++n) {
+    found.motion = static_cast<std::int64_t>(n);
+    // Bodies that part from within the tolerance may be so near that the jump passes through one.
+    if (jumps[n] > 0) {
+      const DistanceResult nearest = distance(a, pose_a, b, path[n].start, {.limit = 2 * jumps[n]});
+      if (nearest.upper <= jumps[n]) return {found.motion, collision::hit_at(0, nearest)};
+    }
+    found.sweep = collision::sweep_exactly(a, pose_a, b, path[n], asked.tolerance, steps, collision::best_kernels());
+    if (found.sweep.hit || !found.sweep.finished) break;
   }
-  --found.motion;  // free: time 1 of the last motion
   return found;
 } catch (...) {
   throw_as_error("sweep_path");

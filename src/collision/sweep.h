@@ -35,6 +35,8 @@ void validate(const char* what, const RigidMotion& motion);
 
 /// Throws Error{usage} if rounding of the time alone moves b by a good part of the bodies' size.
 void check_length(const Body& a, const Body& b, const RigidMotion& motion, double tolerance);
+/// The same for a way of this length on which b turns as in `turn`.
+void check_length(const Body& a, const Body& b, double way, const RigidMotion& turn, double tolerance);
 
 /// The motion of the pair's probe in the frame of its target.
 RelativeMotion relative_motion(const QueryPair& pair, const AxisAngleMotion& path);
@@ -48,9 +50,11 @@ float distance_kept(const QueryPair& pair, const AxisAngleMotion& path, double t
 /// The distance that pairs of nodes leave: most of the tolerance, and what double precision may lose.
 double reserve_of_nodes(const QueryPair& pair, const AxisAngleMotion& path, double tolerance);
 
+/// How far a point of the body may be at the last pose from where the even rotation ends.
+double jump_at_end(const AxisAngleMotion& path, const BodyData& body);
 /// Whether the last pose must be tested by itself: its matrix may be a rotation only nearly, and lie farther from where
-/// the even rotation ends than the distance that was kept. The bodies were half the tolerance apart all the time; a
-/// jump shorter than that touches nothing.
+/// the even rotation ends than the distance that was kept, half the tolerance. (Bodies that start nearer than that and
+/// only move apart are nearer still.)
 bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double tolerance);
 
 /// The steps that a sweep, or the sweeps along a path together, may take.
@@ -75,6 +79,9 @@ std::array<double, 9> turned(const std::array<double, 9>& matrix, Vec3 axis, dou
 
 /// Axis and angle, with an angle that is not negative. The axis may have any length but zero.
 AxisAngle axis_angle_of(Vec3 axis, double angle_rad);
+
+/// A hit at a time at which the bodies are this near.
+SweepResult hit_at(double t, const DistanceResult& nearest);
 
 /// Sweeps for many motions at once. The device finds motions that are certainly free; the CPU sweeps the others, and
 /// `report` counts them. Requires motions and options that sweep_all() has checked, with a positive tolerance.

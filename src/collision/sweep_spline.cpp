@@ -52,6 +52,10 @@ class Spline {
     return std::max(length(acceleration_at(t)), length(acceleration_at(until))) * h * h / 8;
   }
 
+  /// The curve is no longer than its control polygon.
+  double way() const {
+    return length(point_[1] - point_[0]) + length(point_[2] - point_[1]) + length(point_[3] - point_[2]);
+  }
   /// A bound of the coordinates: the curve is in the hull of its control points.
   double far() const {
     double far = 0;
@@ -90,6 +94,8 @@ void validate_spline(const char* what, const SplineMotion& motion) {
                                         number_text(kMaxPosition) + "; give points near the bodies");
 }
 
+}  // namespace
+
 SweepResult hit_at(double t, const DistanceResult& nearest) {
   const Vec3 between = nearest.point_b - nearest.point_a;
   const double apart = length(between);
@@ -100,6 +106,8 @@ SweepResult hit_at(double t, const DistanceResult& nearest) {
           nearest.point_a + between * 0.5,
           apart > 0 ? between * (1 / apart) : Vec3{}};
 }
+
+namespace {
 
 // The bodies do not touch until `t`, which the sweeps of the pieces before have shown. Then their distance says how far
 // the next piece may be from its chord. Where the sweep of a piece stops, the next one begins: there the bodies are
@@ -148,7 +156,7 @@ SweepResult sweep_spline(const Body& a, const Pose& pose_a, const Body& b, const
   validate_spline("sweep_spline", motion);
   validate(pose_a);
   const Spline spline(motion);
-  check_length(a, b, spline.chord(0, 1), asked);
+  check_length(a, b, spline.way(), spline.chord(0, 1), asked);
   const BodyData& moving = data_of(b);
   const double far = spline.far() + length(pose_a.translation) + length(data_of(a).middle) + data_of(a).radius +
                      length(moving.middle) + length(motion.center) + moving.radius;

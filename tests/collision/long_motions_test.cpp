@@ -330,5 +330,38 @@ TEST(Paths, AMotionBeginsWhereTheLastOneEnds) {
   EXPECT_THROW(swept({}), Error);
 }
 
+// A body may part from within the tolerance without a hit; a jump from there may pass through the other body.
+TEST(Paths, AJumpThroughASurfaceIsAHit) {
+  const Body floor(one_triangle({-9, -9, 0}, {9, -9, 0}, {0, 9, 0})),
+      body(one_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  const std::vector<RigidMotion> path{{moved({0, 0, 1e-3}), moved({0, 0, 1.2e-3})},
+                                      {moved({0, 0, -1e-3}), moved({0, 0, -5})}};
+  const PathSweepResult found = sweep_path(floor, {}, body, path, {0.01});
+  EXPECT_TRUE(found.sweep.hit);
+  EXPECT_EQ(found.motion, 1);
+  EXPECT_EQ(found.sweep.time, 0);
+}
+
+// The end may be turned a little where the angle is zero: points move on straight lines all the same, as pose_at() has
+// them, and not with a centre far away.
+TEST(LongMotions, AnAngleOfZeroWithATurnedEnd) {
+  const Body ball(ball_mesh(0.002, 4, {0, -0.02, 0})), body(one_triangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}));
+  const double turn = 9e-6;
+  RigidMotion motion{{}, make_pose(kUp, turn, {0, -std::sin(turn) * 4000, 0}), {4000, 0, 0}, kUp, 0};
+  const SweepResult swept = sweep(ball, {}, body, motion);
+  ASSERT_TRUE(swept.hit);
+  for (int n = 0; n <= 1000; ++n)
+    if (n / 1000.0 < swept.time) ASSERT_FALSE(collide(ball, {}, body, pose_at(motion, n / 1000.0)).hit()) << n;
+}
+
+// The chord of a curve that comes back is short, but the curve is not.
+TEST(Splines, AWayThatIsTooLongIsAnError) {
+  const Body ball(ball_mesh(1, 4));
+  SplineMotion motion;
+  motion.start = moved({5, 0, 0});
+  motion.control = {Vec3{1e15, 0, 0}, Vec3{1e15, 1, 0}, Vec3{5, 0, 0}};
+  EXPECT_THROW(sweep_spline(ball, {}, ball, motion, {1e-9}), Error);
+}
+
 }  // namespace
 }  // namespace standoff
