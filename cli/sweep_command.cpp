@@ -87,8 +87,7 @@ void SweepCommand::run() {
   bodies.check();
   if (batch.given()) return run_batch();
   if (!has_end && screw.empty() && !path)
-    throw Error(ErrorCode::usage,
-                "sweep: no --to given, where B ends; or give --screw, or --path or --motions with a file");
+    throw Error(ErrorCode::usage, "sweep: no --to given, where B ends; or give --screw, --path or --motions");
   const std::vector<RigidMotion> way = motions();
   const Body a = bodies.read_a(console), b = bodies.read_b(console);
   const auto [in_motion, found] = sweep_path(a, bodies.pose_a(), b, way, options);
