@@ -39,7 +39,7 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
   made.outcome = outcome;
   if (!ascends(task.first_vertex, n, task.count, task.vertex_count) ||
       !ascends(task.first_triangle, n, task.count, task.triangle_count)) {
-    task.total->needed_entries = Outcome::kNoOrder;
+    atomicOr(&task.total->needed_entries, Counter{Outcome::kNoOrder});  // many threads may write it
     stop(task.total);
     return;
   }

@@ -23,7 +23,7 @@ STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Count
 /// Called if the second pass over the triangles needs more or fewer entries than the first one counted. Both compute
 /// the same, so the mesh was written meanwhile.
 STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
-  outcome->needed_entries = Outcome::kNone;
+  atomicOr(&outcome->needed_entries, Counter{Outcome::kNone});  // many threads may write it
   stop(outcome);
 }
 
