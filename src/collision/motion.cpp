@@ -208,6 +208,11 @@ void validate(const char* what, const RigidMotion& motion) {
            number_text(kTurnTolerance) + "; let screw_motion() compute the end, or leave axis and angle out");
 }
 
+void validate_time(double t) {
+  if (!(t >= 0 && t <= 1))
+    throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1; 0 is the start, 1 the end");
+}
+
 // Times are rounded. Where that alone moves a body by a good part of its size, no path is left to follow.
 void check_length(const Body& a, const Body& b, const RigidMotion& motion, double tolerance) {
   check_length(a, b, length(apply(motion.end, motion.center) - apply(motion.start, motion.center)), motion, tolerance);
@@ -225,8 +230,7 @@ void check_length(const Body& a, const Body& b, double way, const RigidMotion& t
 
 Pose pose_at(const RigidMotion& motion, double t) try {
   collision::validate("motion", motion);
-  if (!(t >= 0 && t <= 1))
-    throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1; 0 is the start, 1 the end");
+  collision::validate_time(t);
   return collision::AxisAngleMotion(motion).at(t);
 } catch (...) {
   throw_as_error("motion");

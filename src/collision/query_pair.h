@@ -101,13 +101,15 @@ struct QueryPair {
   FloatBox region(float by) const;
 };
 
-/// Counts the steps of a query: pairs of BVH nodes that are looked at and pairs of triangles that are tested or
-/// measured. The count depends on the bodies and the poses alone, never on the instruction set.
+/// Counts the steps of a query, or of the sweeps along a path together: pairs of BVH nodes that are looked at and pairs
+/// of triangles that are tested or measured. The count depends on the bodies and the poses alone, never on the
+/// instruction set.
 class Steps {
  public:
   /// 0: no limit.
   explicit Steps(std::int64_t most) : most_(most == 0 ? std::numeric_limits<std::int64_t>::max() : most) {}
   void take(std::int64_t count = 1) { taken_ += count; }
+  std::int64_t taken() const { return taken_; }
   bool are_spent() const { return taken_ >= most_; }
 
  private:

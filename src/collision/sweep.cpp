@@ -23,7 +23,7 @@ double tolerance_kept(const QueryPair& pair, const AxisAngleMotion& path, double
 }  // namespace
 
 SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
-                          double asked_tolerance, StepLimit& steps, const Kernels& kernels) {
+                          double asked_tolerance, Steps& steps, const Kernels& kernels) {
   const AxisAngleMotion path(motion);
   const QueryPair pair(a, pose_a, b, motion.start, kernels);
   const double tolerance = tolerance_kept(pair, path, asked_tolerance);
@@ -43,7 +43,7 @@ namespace {
 // The sweep of a motion that has all the steps.
 SweepResult sweep_alone(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
                         const SweepOptions& options, const Kernels& kernels) {
-  StepLimit steps{options.max_steps};
+  Steps steps(options.max_steps);
   return sweep_exactly(a, pose_a, b, motion, options.tolerance, steps, kernels);
 }
 
@@ -186,7 +186,7 @@ PathSweepResult sweep_path(const Body& a, const Pose& pose_a, const Body& b, std
   const SweepOptions asked = collision::checked(a, b, path, options);
   validate(pose_a);
   const std::vector<double> jumps = collision::jumps_of(b, path, asked.tolerance);
-  collision::StepLimit steps{asked.max_steps};
+  collision::Steps steps(asked.max_steps);
   PathSweepResult found;
   for (std::size_t n = 0; n < path.size(); ++n) {
     found.motion = static_cast<std::int64_t>(n);

@@ -57,19 +57,16 @@ double jump_at_end(const AxisAngleMotion& path, const BodyData& body);
 /// only move apart are nearer still.)
 bool last_pose_may_jump(const AxisAngleMotion& path, const Body& moving, double tolerance);
 
-/// The steps that a sweep, or the sweeps along a path together, may take.
-struct StepLimit {
-  std::int64_t most;  ///< 0: no limit
-  std::int64_t taken = 0;
-};
+/// Throws Error{usage} unless the time is from 0 to 1.
+void validate_time(double t);
 
 /// Finds the first contact of a motion, or free. The bodies are kept half of `tolerance` apart. Ends unfinished where
 /// the steps are taken.
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps);
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, Steps& steps);
 
 /// sweep() without its checks, on the CPU. The tolerance is positive.
 SweepResult sweep_exactly(const Body& a, const Pose& pose_a, const Body& b, const RigidMotion& motion,
-                          double asked_tolerance, StepLimit& steps, const Kernels& kernels);
+                          double asked_tolerance, Steps& steps, const Kernels& kernels);
 
 /// Checks the options of a sweep, and returns the tolerance, which is positive.
 double checked_tolerance(const Body& a, const Body& b, const SweepOptions& options);

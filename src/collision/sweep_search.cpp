@@ -125,7 +125,7 @@ SweepResult TriangleSweep::hit(double t, std::uint32_t target_index, std::uint32
 // target's field first advances the probe's spheres against the whole target.
 class SweepSearch {
  public:
-  SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps)
+  SweepSearch(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, Steps& steps)
       : pair_(pair),
         triangles_(pair, path, tolerance),
         nodes_(pair, path, reserve_of_nodes(pair, path, tolerance)),
@@ -134,7 +134,7 @@ class SweepSearch {
         keep_(distance_kept(pair, path, tolerance)),
         enough_(static_cast<float>(pair.target.body->field.spacing)),
         steps_(steps),
-        before_(steps.taken) {}
+        before_(steps.taken()) {}
 
   SweepResult run() {
     waiting_->clear();
@@ -142,14 +142,15 @@ class SweepSearch {
     while (!waiting_->empty()) {
       const MovingNodes next = pop();
       if (done(next.time)) break;
-      if (++steps_.taken > steps_.most && steps_.most != 0) {
+      if (steps_.are_spent()) {
         // All others that wait are apart until later.
         SweepResult unfinished;
         unfinished.time = next.time;
         unfinished.finished = false;
         return unfinished;
       }
-      if (steps_.taken - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_) {
+      steps_.take();
+      if (steps_.taken() - before_ > kWorthOrbits * nodes_.leaves() && !knows_orbits_) {
         nodes_.find_orbits();
         knows_orbits_ = true;
       }
@@ -220,7 +221,7 @@ class SweepSearch {
         std::uint32_t of_target = leaves.resting * kLanes + n,
                       of_probe = leaves.moving * kLanes + static_cast<std::uint32_t>(std::countr_zero(left));
         if (pair_.swapped) std::swap(of_target, of_probe);
-        ++steps_.taken;
+        steps_.take();
         if (const auto contact = triangles_.first_contact(of_target, of_probe, from, until))
           result_ = *contact, until = std::min(until, contact->time);
       }
@@ -288,7 +289,7 @@ class SweepSearch {
   const float keep_;             // the distance that spheres leave after every step
   const float enough_;           // steps this long are taken without sampling the fine field
   SweepResult result_;           // the first contact so far
-  StepLimit& steps_;             // pairs of nodes and of triangles
+  Steps& steps_;                 // pairs of nodes and of triangles
   const std::int64_t before_;    // the steps of the motions before
   bool knows_orbits_ = false;
   const KeptByThread<std::vector<MovingNodes>> waiting_;
@@ -296,7 +297,7 @@ class SweepSearch {
 
 }  // namespace
 
-SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, StepLimit& steps) {
+SweepResult first_contact(const QueryPair& pair, const AxisAngleMotion& path, double tolerance, Steps& steps) {
   return SweepSearch(pair, path, tolerance, steps).run();
 }
 

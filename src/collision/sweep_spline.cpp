@@ -113,7 +113,7 @@ namespace {
 // the next piece may be from its chord. Where the sweep of a piece stops, the next one begins: there the bodies are
 // nearer, and it is shorter. A distance within the tolerance is a hit.
 SweepResult sweep_pieces(const Body& a, const Pose& pose_a, const Body& b, const Spline& spline, double tolerance,
-                         StepLimit& steps) {
+                         Steps& steps) {
   double t = 0, duration = 1;
   for (;;) {
     const DistanceResult nearest = distance(a, pose_a, b, spline.at(t));
@@ -142,8 +142,7 @@ SweepResult sweep_pieces(const Body& a, const Pose& pose_a, const Body& b, const
 
 Pose spline_pose_at(const SplineMotion& motion, double t) try {
   collision::validate_spline("motion", motion);
-  if (!(t >= 0 && t <= 1))
-    throw Error(ErrorCode::usage, "motion: the time must be from 0 to 1; 0 is the start, 1 the end");
+  collision::validate_time(t);
   return collision::Spline(motion).at(t);
 } catch (...) {
   throw_as_error("motion");
@@ -162,7 +161,7 @@ SweepResult sweep_spline(const Body& a, const Pose& pose_a, const Body& b, const
                      length(moving.middle) + length(motion.center) + moving.radius;
   const double arm = length(moving.middle - motion.center) + moving.radius;
   const double rounding = kPoseRounding * far + kTimeRounding * std::abs(motion.angle_rad) * arm;
-  StepLimit steps{options.max_steps};
+  Steps steps(options.max_steps);
   return sweep_pieces(a, pose_a, b, spline, std::max(asked, kRoundingsPerTolerance * rounding), steps);
 } catch (...) {
   throw_as_error("sweep_spline");

@@ -89,7 +89,7 @@ TEST(Simd, QueriesUseTheKernelsOfTheirPair) {
   EXPECT_TRUE(used([&] { collision::certify(pair, 0.2); }));
   EXPECT_TRUE(used([&] {
     const collision::AxisAngleMotion path({near, {}, {}});
-    collision::StepLimit unlimited{0};
+    collision::Steps unlimited(0);
     collision::first_contact(collision::QueryPair(a, {}, b, near, counting), path, 1e-3, unlimited);
   }));
 }

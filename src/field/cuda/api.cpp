@@ -6,7 +6,6 @@
 
 #include "core/guarded.h"
 #include "field/backend.h"
-#include "field/cuda/batch_sizes.h"
 #include "field/cuda/capacity.h"
 #include "standoff/error.h"
 

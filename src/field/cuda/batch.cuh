@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "field/cuda/batch_sizes.h"
+#include "field/cuda/capacity.h"
 #include "field/cuda/pipeline.cuh"
 #include "field/prepare.h"
 

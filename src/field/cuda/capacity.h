@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of a field on the GPU, estimated before its triangles are read.
+// Counts and sizes of work on the GPU, as far as the host knows them before triangles are read: which are in range, and
+// the memory that they take.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +11,9 @@
 #include "core/tile_count.h"
 #include "field/tolerances.h"
 #include "standoff/compute.h"
+#include "standoff/cuda_batch.h"
+#include "standoff/error.h"
+#include "standoff/mesh.h"
 
 namespace standoff {
 
@@ -43,6 +47,27 @@ inline std::int64_t estimate_list_entries(std::int64_t triangles, const Grid& gr
   if (is_thin(grid, thickness)) return 6 * triangles + 2 * tiles;
   const double mixed = 110 * std::sqrt(static_cast<double>(triangles) * static_cast<double>(tiles));
   return std::max({8 * triangles + static_cast<std::int64_t>(mixed), 48 * tiles, std::int64_t{64}});
+}
+
+/// Throws Error{usage} or Error{limit} unless counts and sizes are in range.
+inline void check_sizes(const cuda::BatchTask& task) {
+  validate(Grid{task.size, {}, {1, 1, 1}});
+  if (task.count < 0 || task.vertex_count < 0 || task.triangle_count < 0 ||
+      static_cast<std::uint64_t>(task.triangle_count) > kMaxTriangles)
+    throw Error(ErrorCode::usage, "cuda: " + std::to_string(task.count) + " meshes with " +
+                                      std::to_string(task.vertex_count) + " vertices and " +
+                                      std::to_string(task.triangle_count) +
+                                      " triangles are out of range; give no negative number, and at most 4000000000 "
+                                      "triangles in all");
+  if (task.count > (std::int64_t{1} << 53) / task.size.count())
+    throw Error(ErrorCode::limit, "cuda: " + std::to_string(task.count) + " fields of " +
+                                      std::to_string(task.size.count()) + " samples are too many; take fewer at once");
+}
+
+/// A grid with the tiles of all fields, stacked along z. Requires checked sizes.
+inline Grid stacked_grid(const cuda::BatchTask& task) {
+  const Size3 tiles = DistanceField::tiles_of(task.size);
+  return {{tiles.x * kTileSide, tiles.y * kTileSide, tiles.z * kTileSide * task.count}, {}, {1, 1, 1}};
 }
 
 }  // namespace standoff

@@ -215,6 +215,7 @@ inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l,
       mine[static_cast<std::size_t>(n)] = sink.open(tile[0], tile[1], tile[2]);
     }
   };
+  static_assert(kTilesTaken * (2 * 4 * kTileSamples) % kPieceBytes == 0);
   constexpr std::int64_t kAtOnce = kPieceBytes / (2 * 4 * kTileSamples);  // in a piece: values, then nearest triangles
   const auto copy = [&](void* piece, std::int64_t first, std::int64_t count) {
     float* const values = static_cast<float*>(piece);
