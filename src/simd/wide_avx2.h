@@ -283,6 +283,11 @@ STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   return {four(_mm256_setr_epi64x(1, 2, 4, 8)), four(_mm256_setr_epi64x(16, 32, 64, 128))};
 }
 
+/// Stores the lanes rounded towards zero. Requires values within the range of int.
+STANDOFF_INLINE void store_truncated(int* p, WideDouble a) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_cvttpd_epi32(a.lo));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(p + 4), _mm256_cvttpd_epi32(a.hi));
+}
 /// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) {
   _mm_storeu_ps(out, _mm256_cvtpd_ps(a.lo));

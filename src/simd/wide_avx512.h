@@ -179,6 +179,10 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
 /// A mask of the lanes whose bit is set.
 STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask8>(bits)}; }
 
+/// Stores the lanes rounded towards zero. Requires values within the range of int.
+STANDOFF_INLINE void store_truncated(int* p, WideDouble a) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm512_cvttpd_epi32(a.v));
+}
 /// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, WideDouble a) { _mm256_storeu_ps(out, _mm512_cvtpd_ps(a.v)); }
 /// Stores pairs of lanes of a and b, rounded to float.

@@ -351,6 +351,12 @@ STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
   return m;
 }
 
+/// Stores the lanes rounded towards zero. Requires values within the range of int.
+STANDOFF_INLINE void store_truncated(int* p, const WideDouble& a) {
+  double lanes[WideDouble::kLanes];
+  a.store(lanes);
+  for (int n = 0; n < WideDouble::kLanes; ++n) p[n] = static_cast<int>(lanes[n]);
+}
 /// Stores the lanes rounded to float.
 STANDOFF_INLINE void store_rounded(float* out, const WideDouble& a) {
   double lanes[WideDouble::kLanes];

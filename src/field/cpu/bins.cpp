@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "field/lattice.h"
@@ -12,11 +13,13 @@ namespace standoff::cpu {
 namespace {
 
 // The bricks of a triangle in 32 bits: the lowest brick's index and, per axis, whether the next one is touched as well.
-// Long triangles, and grids of more than 2^29 bricks, do not fit: their bricks are computed again when needed.
+// Long triangles, and grids of 2^29 bricks or 2^31 samples on an axis, do not fit: their bricks are computed again when
+// needed.
 constexpr std::uint32_t kNowhere = 0xffffffffu;
 constexpr std::uint32_t kLong = 0xfffffffeu;
 constexpr int kSpanBits = 3;
-constexpr std::int64_t kMostKeyedBricks = (std::int64_t{1} << (32 - kSpanBits)) - 1;
+constexpr std::int64_t kMostKeyedBricks = (std::int64_t{1} << (32 - kSpanBits)) - 1,
+                       kMostKeyedSamples = std::numeric_limits<std::int32_t>::max();
 
 // Triangles between two checks whether the caller wants to stop; a long one may touch a million bricks.
 constexpr std::int64_t kCheckEvery = 256;
@@ -34,25 +37,22 @@ std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int thread
 class Binning {
  public:
   Binning(const Job& job, const BlockLattice& lattice, Reach kind)
-      : job_(job), lattice_(lattice), kind_(kind), reach_sq_(cell_reach_sq<kBrickSide>(lattice)) {}
+      : job_(job),
+        mesh_(memory_of(job.mesh)),
+        lattice_(lattice),
+        kernels_(kernels_for(job.simd)),
+        kind_(kind),
+        reach_sq_(cell_reach_sq<kBrickSide>(lattice)),
+        has_keys_(lattice.brick_count() <= kMostKeyedBricks && std::ranges::max(lattice.size) <= kMostKeyedSamples) {}
 
-  /// The bricks with samples in the triangle's grown box.
-  CellRange range(std::uint32_t triangle) const {
-    const Box box = triangle_box(job_.mesh, triangle);
-    return reached_cells<kBrickSide>(lattice_, {triple_of(box.min), triple_of(box.max)});
-  }
-
-  std::int64_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return x + lattice_.bricks[0] * (y + lattice_.bricks[1] * z);
-  }
-
-  std::uint32_t key(std::uint32_t triangle) const {
-    const CellRange r = range(triangle);
-    if (r.empty()) return kNowhere;
-    const std::int64_t spans[3] = {r.high[0] - r.low[0], r.high[1] - r.low[1], r.high[2] - r.low[2]};
-    const std::int64_t lowest = index(r.low[0], r.low[1], r.low[2]);
-    if (!r.is_small() || lowest >= kMostKeyedBricks) return kLong;
-    return static_cast<std::uint32_t>((lowest << kSpanBits) | spans[0] | (spans[1] << 1) | (spans[2] << 2));
+  /// The keys of the job's triangles first, first + 1, ..., at most kReachLanes of them.
+  void make_keys(std::int64_t first, std::int64_t count, std::uint32_t* keys) const {
+    if (!has_keys_) return static_cast<void>(std::fill_n(keys, count, kLong));
+    std::uint32_t triangles[kReachLanes];
+    for (std::int64_t n = 0; n < kReachLanes; ++n) triangles[n] = job_.triangle(first + std::min(n, count - 1));
+    BrickRanges ranges;
+    kernels_.reached_bricks(lattice_, mesh_, triangles, ranges);
+    for (std::int64_t n = 0; n < count; ++n) keys[n] = key(ranges, n);
   }
 
   /// Calls use(brick) for each brick of the triangle whose key is `key`.
@@ -67,12 +67,28 @@ class Binning {
   }
 
  private:
+  std::int64_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return x + lattice_.bricks[0] * (y + lattice_.bricks[1] * z);
+  }
+
+  std::uint32_t key(const BrickRanges& r, std::int64_t n) const {
+    std::uint32_t span[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      if (r.low[axis][n] > r.high[axis][n]) return kNowhere;
+      span[axis] = static_cast<std::uint32_t>(r.high[axis][n] - r.low[axis][n]);
+    }
+    if ((span[0] | span[1] | span[2]) > 1) return kLong;
+    const auto lowest = static_cast<std::uint32_t>(index(r.low[0][n], r.low[1][n], r.low[2][n]));
+    return (lowest << kSpanBits) | span[0] | (span[1] << 1) | (span[2] << 2);
+  }
+
   // A long triangle misses most bricks of its box: take the bricks whose centre is near enough.
   template <class Use>
   void for_each_brick_of_long(std::uint32_t triangle, Use use) const {
-    const CellRange r = range(triangle);
     const auto [a, b, c] = job_.mesh.corners(triangle);
     const Triple<double> corner[3] = {triple_of(a), triple_of(b), triple_of(c)};
+    const CellRange r = reached_cells<kBrickSide>(lattice_, box_of(corner[0], corner[1], corner[2]));
+    if (r.empty()) return;
     const LongTriangle<kBrickSide> long_triangle(lattice_, r, corner);
     for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
       for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
@@ -81,9 +97,12 @@ class Binning {
   }
 
   const Job& job_;
+  const MeshMemory mesh_;
   const BlockLattice& lattice_;
+  const Kernels& kernels_;
   Reach kind_;
   double reach_sq_;  // cell_reach_sq() of a brick, grid units
+  bool has_keys_;    // else all triangles count as long
 };
 
 class BinBatches {
@@ -119,11 +138,12 @@ BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t
   tbb::parallel_for(std::int64_t{0}, chunks_, [&](std::int64_t chunk) {
     auto& count = counts_[chunk];
     count.assign(static_cast<std::size_t>(bricks_), 0);
-    for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk; ++n) {
-      if (n % kCheckEvery == 0) job_.progress.check();
-      const std::uint32_t triangle = job_.triangle(n);
-      keys_[n] = binning_.key(triangle);
-      binning_.for_each_brick(triangle, keys_[n], [&](std::int64_t brick) { ++count[brick]; });
+    for (std::int64_t n = chunk_begin(chunk), end_of_chunk = chunk_begin(chunk + 1); n < end_of_chunk;) {
+      if (n % kCheckEvery < kReachLanes) job_.progress.check();
+      const std::int64_t end = std::min<std::int64_t>(n + kReachLanes, end_of_chunk);
+      binning_.make_keys(n, end - n, &keys_[static_cast<std::size_t>(n)]);
+      for (; n < end; ++n)
+        binning_.for_each_brick(job_.triangle(n), keys_[n], [&](std::int64_t brick) { ++count[brick]; });
     }
   });
 

@@ -209,8 +209,18 @@ struct TriangleLanes {
 /// Points per axis of the lattice that halves a cell: two on its faces and one in the middle.
 inline constexpr int kLatticeSide = 3;
 
+/// The bricks that eight triangles may reach, low to high on each axis; low > high on some axis if there are none.
+inline constexpr int kReachLanes = 8;
+struct BrickRanges {
+  alignas(32) std::int32_t low[3][kReachLanes];
+  alignas(32) std::int32_t high[3][kReachLanes];
+};
+
 struct Kernels {
   const char* name;
+  /// The bricks with samples in the boxes of eight triangles, grown by the thickness. Requires less than 2^31 samples
+  /// on each axis.
+  void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, BrickRanges&);
   /// Sets all distances to infinity.
   void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.

@@ -5,10 +5,12 @@
 #include "field/cpu/kernels/cull_boxes.inl"
 #include "field/cpu/kernels/gather_band.inl"
 #include "field/cpu/kernels/gather_cells.inl"
+#include "field/cpu/kernels/reached_bricks.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 
 constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
+                         .reached_bricks = reached_bricks,
                          .clear = clear,
                          .gather_band = gather_band_any,
                          .band_tiles = band_tiles,
