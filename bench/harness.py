@@ -17,7 +17,7 @@ BENCH = Path(__file__).resolve().parent
 PROGRAMS = {"standoff": "bench_standoff", "sign": "bench_sign", "skip": "bench_skip", "openvdb": "peer_openvdb", "embree": "peer_embree", "exact": "bench_exact", "collision": "bench_collision",
             "fcl": "peer_fcl", "coal": "peer_coal", "points": "bench_points", "embree_points": "peer_embree_points",
             "iso": "bench_iso", "openvdb_iso": "peer_openvdb_iso", "files": "bench_files",
-            "openvdb_files": "peer_openvdb_files", "sidecars": "bench_sidecars", "render": "bench_render"}
+            "openvdb_files": "peer_openvdb_files", "sidecars": "bench_sidecars", "limits": "bench_limits", "render": "bench_render"}
 
 
 class Drivers:

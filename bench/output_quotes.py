@@ -14,7 +14,7 @@ AVX512 = "2-core-avx512"  # the machine that these pages speak of, by its folder
 PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
           "iso.csv": (AVX512, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
-          "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"),
+          "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"), "limits.csv": (AVX512, "limits.md", "limits"),
           "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
           "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many"),
           "fly_recompute.csv": (AVX512, "thesis.md", "fly recomputed"), "fly_large.csv": (AVX512, "thesis.md", "fly among millions")}
@@ -93,7 +93,7 @@ def plain(rows):
     return markdown(rows)
 
 
-TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "render.csv": plain, "view.csv": plain, "python.csv": plain,
+TABLES = {"points.csv": points, "points-build.csv": build, "iso.csv": surfaces, "files.csv": plain, "sidecars.csv": plain, "limits.csv": plain, "render.csv": plain, "view.csv": plain, "python.csv": plain,
           "python-many.csv": plain, "fly_recompute.csv": recomputed, "fly_large.csv": plain}
 
 

@@ -14,6 +14,7 @@
   run.py files           writing fields; with --peers beside OpenVDB and NanoVDB
   run.py windows         fields in 64 windows beside whole fields
   run.py update          updates of fields after 1 % of the triangles moved, beside computing anew
+  run.py limits          fields beside what one core needs at least for them
   run.py sidecars        what each sidecar adds to a band
   run.py render          pictures of meshes; with --peers beside VTK and polyscope (STANDOFF_PEER_PYTHON)
   run.py python          the Python package beside Open3D, libigl, FCPW and others (STANDOFF_PEER_PYTHON)
@@ -35,6 +36,7 @@ import collision
 import contests
 import field_files
 import fly
+import limits
 import pictures
 import quotes
 import scaling
@@ -50,7 +52,7 @@ from harness import BENCH, Drivers
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "pairs", "sign", "points", "iso", "files", "windows", "update", "sidecars", "render", "python", "batch", "scale", "methods",
+                        choices=["contests", "scaling", "thesis", "skip", "pairs", "sign", "points", "iso", "files", "windows", "update", "limits", "sidecars", "render", "python", "batch", "scale", "methods",
                                  "quote", "fly", "view"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
@@ -111,6 +113,9 @@ def main():
         return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
     if arguments.what == "update":
         return update.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
+    if arguments.what == "limits":
+        limits.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
+        return None if arguments.only else quotes.write()
     if arguments.what == "windows":
         return windows.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
     if arguments.what == "skip":

@@ -17,6 +17,7 @@ sys.path.insert(0, str(BENCH))
 import exact_points  # noqa: E402
 import field_files  # noqa: E402
 import harness  # noqa: E402
+import limits  # noqa: E402
 import output_quotes  # noqa: E402
 import peer_points  # noqa: E402
 import pictures  # noqa: E402
@@ -123,7 +124,7 @@ class Tables(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
-        for module in (points, surfaces, field_files, sidecar_costs, pictures):
+        for module in (points, surfaces, field_files, sidecar_costs, limits, pictures):
             module.results_folder = lambda: self.folder
         points.peer_python = surfaces.peer_python = pictures.peer_python = lambda *_: None
 
@@ -184,6 +185,24 @@ class Tables(unittest.TestCase):
         job = {"fields": [{"name": "band", "what": "a band", "args": []}], "most": 15, "goal": 5, "rounds": 1}
         text = printed(sidecar_costs.run, Pretended({"sidecars": 1}), {"sidecars": job}, None, None, "nowhere")
         self.assertIn("| a band | 12 | 1000.0 | 2000.0 | 0.0 % | 100.0 % |", text)
+
+    # Reading 1e6 bytes, writing 2e6 and measuring 5e6 samples take 1 + 4 + 15 ms at least.
+    def test_limits(self):
+        field = {"sign": "", "triangles": 12, "mesh_bytes": 1e6, "output_bytes": 2e6, "samples_band": 5e6, "samples_examined": 3e7,
+                 "warm_cpu_s": 0.05, "cold_cpu_s": 0.08}
+        answers = {"limits": {"read_s_per_byte": 1e-9, "write_s_per_byte": 2e-9, "measure_s": 3e-9}, "standoff": field}
+        asked = []
+
+        class Answering(harness.Drivers):
+            def run_lines(self, driver, args):
+                asked.append(args)
+                return [answers[driver]]
+
+        contests = [{"name": name, "what": f"a {name}", "args": []} for name in ("band-2-cube", "full-cube")]
+        text = printed(limits.run, Answering("nowhere"), {"contests": contests}, None, "nowhere")
+        self.assertIn("| 1.0 | 15.0 | 4.0 | 20.0 | 50.0 | 80.0 | 2.5 | 6 |", text)
+        self.assertEqual([("--threads" in args, "--sign" in args) for args in asked[1:]], [(True, False), (True, True), (True, False)])
+        self.assertEqual(len(quotes.read(self.folder / "limits.csv")[1]), 3)
 
     def test_morton_order(self):
         grid = np.array([(x, y, z) for x in range(4) for y in range(4) for z in range(4)], dtype=float)

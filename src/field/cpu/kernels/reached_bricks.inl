@@ -18,7 +18,8 @@ STANDOFF_INLINE void load_boxes(const MeshMemory& mesh, const std::uint32_t* tri
   for (int lane = 0; lane < kReachLanes; ++lane) {
     double room[3][3];
     const double* corner[3];
-    for (int which = 0; which < 3; ++which) corner[which] = corner_of<kPacked>(mesh, triangles[lane], which, room[which]);
+    for (int which = 0; which < 3; ++which)
+      corner[which] = corner_of<kPacked>(mesh, triangles[lane], which, room[which]);
     for (int axis = 0; axis < 3; ++axis) {
       const double a = corner[0][axis], b = corner[1][axis], c = corner[2][axis];
       boxes.low[axis][lane] = min(a, min(b, c));
