@@ -8,32 +8,57 @@ from pathlib import Path
 
 from headers import Entity, Header, read_header
 
-# The order of the pages is that of a reader who begins; headers that are not named follow by name.
-FIRST = [
-    "mesh", "io", "grid", "compute", "field", "sign", "mesh_report", "points", "surface", "collision", "pose", "sidecars",
-    "crossings", "voxels", "occupancy", "confidence", "verify", "slice", "picture", "inspect", "execution", "progress",
-    "error", "cuda", "vec", "mesh_view",
-]  # fmt: skip
+# The headers by what they are for. Those that are not named stand under the last heading, by name.
+TASKS = {
+    "Meshes": ["mesh", "mesh_view", "io", "mesh_report"],
+    "Fields": ["grid", "compute", "field", "sign", "verify", "inspect"],
+    "Fields beyond one call": ["slabs", "windows", "zarr", "field_slices", "slice_reader", "sign_decision", "field_cache", "update"],
+    "Points without a grid": ["points"],
+    "Surfaces, voxels and more than distances": ["surface", "sidecars", "feature", "crossings", "voxels", "occupancy", "confidence", "exposed"],
+    "Bodies and collision": ["collision", "pose"],
+    "Pictures and pages": ["slice", "picture", "page", "colormap", "color", "axis"],
+    "On a GPU": ["cuda_compute", "cuda", "cuda_batch"],
+    "Where and how work runs": ["execution", "memory", "progress", "error", "existing", "vec", "version"],
+    "More": [],
+}  # fmt: skip
 
 
-def write(include: Path, folder: Path, pages: dict[str, str]) -> list[str]:
-    """Writes the pages into the folder; returns their names. `pages` has the site's pages by their path in the repository."""
+def write(include: Path, folder: Path, pages: dict[str, str]) -> str:
+    """Writes the pages into the folder; returns what leads to them, by task, in Markdown. `pages` has the site's pages by their
+    path in the repository."""
     headers = [read_header(path, include) for path in sorted((include / "standoff").glob("*.h"))]
-    order = {name: n for n, name in enumerate(FIRST)}
-    headers.sort(key=lambda header: order.get(Path(header.path).stem, len(order)))
     folder.mkdir(parents=True)
-    names = []
     # What a comment may name -> what it becomes.
     targets = {path: f"\\ :doc:`/{name}`" for path, name in pages.items()}
     targets |= {h.path: f"\\ :doc:`/cpp/{Path(h.path).stem}`" for h in headers if h.entities}
     for header in headers:
         for entity in header.entities:
             targets |= _names(entity)
-    for header in headers:
-        if header.entities:
-            names.append(Path(header.path).stem)
-            (folder / f"{names[-1]}.rst").write_text(_page(header, targets))
-    return names
+    made = {Path(header.path).stem: header for header in headers if header.entities}
+    for name, header in made.items():
+        (folder / f"{name}.rst").write_text(_page(header, targets))
+    return _by_task(made)
+
+
+def _by_task(headers: dict[str, Header]) -> str:
+    """A table for each task, and the headers in that order for the sidebar."""
+    named = {name for names in TASKS.values() for name in names}
+    rest = {"More": [name for name in headers if name not in named]}
+    out, order = [], []
+    for task, names in (TASKS | rest).items():
+        present = [name for name in names if name in headers]
+        if present:
+            out += [f"## {task}", "", "| header | what it has |", "|---|---|"]
+            out += [f"| [{name}](cpp/{name}.rst) | {_first_sentence(headers[name])} |" for name in present] + [""]
+        order += present
+    return "\n".join([*out, "```{toctree}", ":hidden:", "", *(f"cpp/{name}" for name in order), "```"])
+
+
+def _first_sentence(header: Header) -> str:
+    """Without the page that it may name in parentheses."""
+    text = " ".join(" ".join(header.purpose).split())
+    sentence = re.match(r".*?[^.]\.(?= |$)", text)
+    return re.sub(r" \(docs/[^)]*\)", "", sentence[0] if sentence else text)
 
 
 def _names(entity: Entity) -> dict[str, str]:

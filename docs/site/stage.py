@@ -125,7 +125,7 @@ def stage(folder: Path) -> None:
             if not any(page.startswith("notebooks/") for page in known.values()):
                 text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
         if name == "cpp":
-            text = text.replace("<!-- headers -->", "\n".join(f"cpp/{header}" for header in headers))
+            text = text.replace("<!-- headers -->", headers)
         target = folder / f"{name}{Path(path).suffix}"
         target.parent.mkdir(exist_ok=True)
         target.write_text((notebook if path.endswith(".ipynb") else with_links)(text, path, known))

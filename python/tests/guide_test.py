@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The code in docs/python.md and the READMEs runs as it stands there, and so do the examples in docstrings."""
+"""The code in docs/python.md, the quickstart, the how-tos and the READMEs runs as it stands there, and so do the examples in docstrings."""
 
 import doctest
 import importlib
@@ -24,7 +24,19 @@ def fences(page: Path) -> list[tuple[int, str]]:
 
 @pytest.mark.parametrize(
     ("page", "least_blocks", "least_prints"),
-    [("docs/python.md", 10, 6), ("docs/scale.md", 1, 3), ("python/README.md", 1, 0), ("README.md", 1, 0)],
+    [
+        ("docs/python.md", 10, 6),
+        ("docs/scale.md", 1, 3),
+        ("docs/start.md", 1, 1),
+        ("docs/howto_dataset.md", 1, 2),
+        ("docs/howto_exchange.md", 1, 1),
+        ("docs/howto_print.md", 1, 0),
+        ("docs/howto_robot.md", 1, 3),
+        ("docs/howto_solver.md", 1, 2),
+        ("docs/howto_watertight.md", 1, 2),
+        ("python/README.md", 1, 0),
+        ("README.md", 1, 0),
+    ],
 )
 def test_page_runs(page, least_blocks, least_prints, tmp_path, monkeypatch, capsys):
     """And `print(...)  # words` prints these words; dots stand for any."""
