@@ -154,7 +154,7 @@ TEST_F(Compute, DryRunTellsTheFileSize) {
 TEST_F(Compute, TheInputIsCheckedFirst) {
   write_bytes(folder / "box.vti", "mine");
   EXPECT_TRUE(run(words("compute missing.stl -o box.vti")).says("missing.stl: no such file"));
-  EXPECT_TRUE(run(words("compute scene:nowhere -o box.vti")).says("no scene is called 'nowhere'"));
+  EXPECT_TRUE(run(words("compute scene:nowhere -o box.vti")).says("scene:nowhere: there is no such scene"));
   write_bytes(folder / "broken.stl", "solid");
   EXPECT_TRUE(run(words("compute broken.stl -o box.vti")).says("box.vti: it exists"));
   EXPECT_TRUE(run(words("build missing.stl -o no/such.body")).says("missing.stl: no such file"));
