@@ -177,6 +177,12 @@ MeshReadResult MeshInput::read_with_report() const {
   return {std::move(mesh), {}};
 }
 
+MeshWriteOptions MeshInput::write_options(const MeshReadReport& read, Existing existing) const {
+  MeshWriteOptions options{.existing = existing, .metres_per_unit = unit_ ? 1 : read.metres_per_unit};
+  options.y_up = read.metres_per_unit > 0 || read.turned() || name_.starts_with(kScene);
+  return options;
+}
+
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {
   // Not bound to a path: the stream operator of paths stops at spaces.
   add_parsed(verb, {name, placeholder, what.c_str(), "Output"},
