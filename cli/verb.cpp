@@ -33,6 +33,16 @@ Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 unusable input, 4 cannot 
 6 no such device, 7 verify found wrong values, 8 the sign is not certain,
 130 interrupted.)";
 
+}  // namespace
+
+std::string value_name(const CLI::Option& option) {
+  if (option.get_positional()) return option.get_name(true);
+  if (option.get_items_expected_max() == 0) return "";
+  return option.get_option_text().empty() ? "TEXT" : option.get_option_text();
+}
+
+namespace {
+
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(28); }
@@ -45,7 +55,7 @@ class HelpFormatter : public CLI::Formatter {
   }
   // Our descriptions say what excludes what where it needs saying.
   std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_option_text().empty() ? "" : " " + option->get_option_text();
+    return value_name(*option).empty() || option->get_positional() ? "" : " " + value_name(*option);
   }
   std::string make_subcommand(const CLI::App* verb) const override {
     const std::string description = verb->get_description();
