@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff compute: a mesh file into a field file.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <ctime>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/beside.h"
 #include "cli/console.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
@@ -39,62 +40,6 @@
 namespace standoff::cli {
 namespace {
 
-class Beside {
- public:
-  /// Takes names with commas between them. Errors: usage.
-  void add(const std::string& option, const std::string& text);
-  bool empty() const { return !nearest_ && kinds_.empty(); }
-  /// Throws Error{usage} where the output's format has no place for them.
-  void check(const FileOutput& output) const;
-  /// Asks the computation for what they are made of.
-  void prepare(ComputeOptions& options) const { options.nearest = nearest_ || !kinds_.empty(); }
-  /// The bytes of those that are not the field's own, for each sample of a stored tile.
-  std::int64_t bytes_per_sample() const;
-  /// Makes them, and removes nearest triangles from the field unless they are to be stored.
-  std::vector<Sidecar> make(MeshView mesh, DistanceField& field, const Execution& execution,
-                            const ProgressCallback& progress) const;
-
- private:
-  bool nearest_ = false;
-  std::vector<SidecarKind> kinds_;
-};
-
-void Beside::add(const std::string& option, const std::string& text) {
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::size_t choice = parse_choice(option, text.substr(start, end - start),
-                                            {"nearest", "triangle", "closest", "barycentric", "feature", "gradient"});
-    start = end + 1;
-    if (choice < 2) {
-      nearest_ = true;
-    } else if (const SidecarKind kind = kSidecarKinds[choice - 2]; std::ranges::find(kinds_, kind) == kinds_.end()) {
-      kinds_.push_back(kind);
-    }
-  }
-}
-
-void Beside::check(const FileOutput& output) const {
-  if (nearest_)
-    output.check_carries(field_formats(), &FileFormat::nearest, "cannot carry nearest triangles", "--with nearest");
-  if (!kinds_.empty())
-    output.check_carries(field_formats(), &FileFormat::sidecars, "can only carry distances", "--with");
-}
-
-std::int64_t Beside::bytes_per_sample() const {
-  std::int64_t bytes = 0;
-  for (const SidecarKind kind : kinds_) bytes += standoff::bytes_per_sample(kind);
-  return bytes;
-}
-
-std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution,
-                                  const ProgressCallback& progress) const {
-  if (kinds_.empty()) return {};
-  std::vector<Sidecar> made =
-      sidecars(mesh, field, kinds_, {.execution = {.threads = execution.threads}, .progress = progress});
-  if (!nearest_) field.erase_nearest();
-  return made;
-}
-
 /// A computation before it starts.
 struct Plan {
   std::string mesh_name;
@@ -107,6 +52,7 @@ struct Plan {
   bool in_slabs = false;          ///< the field is written while it is computed
   bool sparse = false;            ///< FileFormat::sparse of the output
   bool folder = false;            ///< FileFormat::folder of the output
+  bool compressed = false;        ///< samples are, and need not be
   std::int64_t bytes_beside = 0;  ///< of sidecars, for each sample of a stored tile
 
   Grid grid() const { return window ? choice.grid.window(window->first, window->size) : choice.grid; }
@@ -118,6 +64,7 @@ struct Outcome {
   ComputeReport report;
   std::uint64_t mesh_hash = 0;
   double write_seconds = 0;
+  double write_processor_seconds = 0;  ///< of all threads, where nothing else ran while the field was written
   std::int64_t written_bytes = 0;
   std::optional<SignConfidence> confidence = {};
   bool cached = false;  ///< it was computed before, and the report is of that time
@@ -261,9 +208,15 @@ void say(const Outcome& outcome, const Console& console) {
                  seconds_text(write) + "; peak memory " + bytes_text(peak_memory_bytes()));
   if (outcome.cached)
     return console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + ", computed before");
+  const double computing = prepare + compute + sign;
   console.say(outcome.plan.output + ": " + bytes_text(outcome.written_bytes) + " in " +
-              seconds_text(load + prepare + compute + sign + write) + "; " + report.method + " on " + report.backend +
-              " (" + report.device + "), " + counted(report.threads, "thread"));
+              seconds_text(load + computing + write) + ", " + seconds_text(computing) + " of it compute and " +
+              seconds_text(write) + " write; " + report.method + " on " + report.backend + " (" + report.device +
+              "), " + counted(report.threads, "thread"));
+  // Where the threads wait for the disk, a larger file would take longer.
+  constexpr double kLong = 1, kBusy = 0.7;  // seconds that are worth a hint; processors, of which one compresses
+  if (outcome.plan.compressed && write > std::max(kLong, computing) && outcome.write_processor_seconds > kBusy * write)
+    console.say("most of that was compression; --uncompressed writes a larger file sooner");
 }
 
 Json outcome_json(const Outcome& outcome) {
@@ -425,10 +378,12 @@ void ComputeCommand::run() {
   Plan plan{mesh.name(),        loaded, field.choose_grid(mesh.name(), bounds(loaded)), window, output.path().string(),
             output.in_the_way()};
   if (window) check_window(*window, plan.choice.grid.size);
+  if (const std::string doubt = field.doubt_of_thickness(bounds(loaded)); !doubt.empty()) console.warn(doubt);
   plan.load_seconds = seconds_since(start);
   plan.in_slabs = !window && output.format(field_formats()).slabs && beside.empty() && !confidence_name;
   plan.sparse = output.format(field_formats()).sparse;
   plan.folder = output.format(field_formats()).folder;
+  plan.compressed = !uncompressed && !plan.sparse && !plan.folder;
   plan.bytes_beside = beside.bytes_per_sample();
   if (dry_run) return tell(plan, field, console);
   console.say(mesh_line(mesh.name(), loaded));
@@ -468,6 +423,8 @@ Outcome ComputeCommand::write_or_fetch(const Plan& plan) {
   return outcome;
 }
 
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 // Computes the field while it is written, so that no more than a slab of it is held.
 Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
   ProgressCallback bar = console.progress();
@@ -483,16 +440,20 @@ Outcome ComputeCommand::write_in_slabs(const Plan& plan) {
     slabs.emplace(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
   }
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  double processor = 0;
   const auto write = [&] { write_field(output.path(), *slabs, write_options()); };
   if (computed < 1) {
     write();
   } else {  // there is one slab, and it is computed
     bar = nullptr;
+    const double before = processor_seconds();
     with_spinner(console, "writing " + output.path().string(), write);
+    processor = processor_seconds() - before;
   }
   options.progress = nullptr;
   Outcome outcome{plan, slabs->report(), slabs->provenance().mesh_hash};
   const auto& seconds = outcome.report.seconds;
+  outcome.write_processor_seconds = processor;
   outcome.write_seconds = std::max(0.0, seconds_since(start) - seconds.prepare - seconds.compute - seconds.sign);
   return outcome;
 }
@@ -561,10 +522,12 @@ Outcome ComputeCommand::write_whole(const Plan& plan) {
   FieldWriteOptions written = write_options();
   written.sidecars = sidecars;
   if (confidence_name) last_file_is(confidence.path().string());
+  const double before = processor_seconds();
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_field(output.path(), computed.field, written); });
   Outcome outcome{plan, computed.report, computed.field.provenance().mesh_hash};
   outcome.write_seconds = seconds_since(start);
+  outcome.write_processor_seconds = processor_seconds() - before;
   if (confidence_name) outcome.confidence = write_confidence(plan.mesh, computed.field);
   return outcome;
 }

@@ -12,47 +12,83 @@
 #include "cli/parse.h"
 #include "cli/process.h"
 #include "cli/text.h"
+#include "cli/time_left.h"
 #include "files/file_view.h"
 #include "standoff/error.h"
 
 namespace standoff::cli {
 namespace {
 
-// Draws a line on the terminal again and again, and wipes it at the end.
+constexpr std::chrono::milliseconds kFirstDrawn{100},
+    kDrawnEach{100};  // short work gets no bar, long work ten a second
+
+// Draws a line on the terminal again and again, and wipes it at the end: when it is told of progress and, with a thread
+// of its own, meanwhile.
 class Bar {
  public:
-  Bar() = default;
+  explicit Bar(bool own_thread) {
+    if (!own_thread) return;
+    try {
+      thread_ = std::thread([this] { draw_until_over(); });
+    } catch (const std::system_error&) {
+      // Without a thread the bar moves when there is progress.
+    }
+  }
   Bar(const Bar&) = delete;
   Bar& operator=(const Bar&) = delete;
   ~Bar() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    ended_.notify_one();
+    if (thread_.joinable()) thread_.join();
     if (!drawn_) return;
     std::fputs("\r\033[K", stderr);
     line_is_drawn(false);
   }
 
-  void draw(const Progress& progress) {
-    using namespace std::chrono_literals;
-    const auto now = Clock::now();
-    if (now - last_ < 100ms || now - start_ < 300ms) return;  // short work gets no bar, long work ten a second
-    last_ = now;
-    drawn_ = true;
-    line_is_drawn(true);
-    constexpr int kWidth = 30;
-    const int filled = static_cast<int>(progress.fraction * kWidth);
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
-    std::string line = "\r\033[K[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "] ";
-    line += std::to_string(static_cast<int>(progress.fraction * 100)) + " % " + progress.stage;
-    if (progress.fraction > 0.05)
-      line += ", " + seconds_text(elapsed / progress.fraction * (1 - progress.fraction)) + " left";
-    std::fputs(line.c_str(), stderr);
-    std::fflush(stderr);
+  void tell(const Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    stage_ = progress.stage;
+    fraction_ = progress.fraction;
+    if (!thread_.joinable()) draw();
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
+
+  void draw_until_over() {
+    std::unique_lock lock(mutex_);
+    while (!ended_.wait_for(lock, kDrawnEach, [this] { return over_; })) draw();
+  }
+
+  // Call it with the mutex locked.
+  void draw() {
+    const auto now = Clock::now();
+    if (stage_.empty() || now - start_ < kFirstDrawn || now - last_ < kDrawnEach / 2) return;
+    last_ = now;
+    drawn_ = true;
+    line_is_drawn(true);
+    constexpr int kWidth = 30;
+    const int filled = static_cast<int>(fraction_ * kWidth);
+    std::string line = "\r\033[K[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "] ";
+    line += std::to_string(static_cast<int>(fraction_ * 100)) + " % " + stage_text(stage_);
+    if (const auto left = left_.at(std::chrono::duration<double>(now - start_).count(), fraction_))
+      line += ", " + time_left_text(*left);
+    std::fputs(line.c_str(), stderr);
+    std::fflush(stderr);
+  }
+
+  const Clock::time_point start_ = Clock::now();
   Clock::time_point last_{};
-  bool drawn_ = false;
+  TimeLeft left_;
+  bool drawn_ = false, over_ = false;
+  std::string stage_;
+  double fraction_ = 0;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::thread thread_;
 };
 
 void to_stderr(const std::string& line) { std::fprintf(stderr, "%s\n", message_line(line).c_str()); }
@@ -87,10 +123,10 @@ void Console::warn(const std::string& line) const { to_stderr("standoff: warning
 
 bool Console::shows_progress() const { return progress_ == "auto" && !quiet_ && ::isatty(STDERR_FILENO); }
 
-std::function<bool(const Progress&)> Console::progress() const {
-  const auto bar = shows_progress() ? std::make_shared<Bar>() : nullptr;
+std::function<bool(const Progress&)> Console::progress(bool own_thread) const {
+  const auto bar = shows_progress() ? std::make_shared<Bar>(own_thread) : nullptr;
   return [bar](const Progress& progress) {
-    if (bar) bar->draw(progress);
+    if (bar) bar->tell(progress);
     return !interrupted();
   };
 }
@@ -146,16 +182,15 @@ Spinner::~Spinner() {
 }
 
 void Spinner::show() {
-  using namespace std::chrono_literals;
   const auto start = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
-  if (ended_.wait_for(lock, 300ms, [this] { return over_; })) return;
+  if (ended_.wait_for(lock, kFirstDrawn, [this] { return over_; })) return;
   line_is_drawn(true);
   do {
     const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::fprintf(stderr, "\r\033[K%s, %s", what_.c_str(), seconds_text(elapsed).c_str());
     std::fflush(stderr);
-  } while (!ended_.wait_for(lock, 100ms, [this] { return over_; }));
+  } while (!ended_.wait_for(lock, kDrawnEach, [this] { return over_; }));
   std::fputs("\r\033[K", stderr);
   line_is_drawn(false);
 }

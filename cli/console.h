@@ -36,8 +36,10 @@ class Console {
   void warn(const std::string& line) const;
   /// Whether stderr is a terminal whose user wants to see how far work has come.
   bool shows_progress() const;
-  /// A callback for long work, which draws a bar when stderr is a terminal and stops the work on a signal.
-  std::function<bool(const Progress&)> progress() const;
+  /// A callback for long work, which draws a bar when stderr is a terminal and stops the work on a signal. The bar
+  /// moves on by a thread of its own; without one, for work that forks and calls some ten times a second, when it is
+  /// called.
+  std::function<bool(const Progress&)> progress(bool own_thread = true) const;
 
  private:
   bool quiet_ = false;

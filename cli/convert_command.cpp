@@ -82,9 +82,10 @@ void ConvertCommand::run() {
   field_argument.check_unused(input.name());
   if (uncompressed)
     throw Error(ErrorCode::usage, "--uncompressed: it is for fields, and " + input.name() + " is none; leave it out");
-  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
+  const auto [mesh, read] = with_spinner(console, "reading " + input.name(), [&] { return input.read_with_report(); });
   validate(mesh);
-  with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, output.existing()); });
+  const MeshWriteOptions options = input.write_options(read, output.existing());
+  with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, options); });
   console.say(mesh_line(output.path().string(), mesh));
   report("mesh", "mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}});
 }

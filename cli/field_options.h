@@ -47,6 +47,9 @@ class FieldOptions {
   /// Errors: usage; input, for a mesh too far out (`name` stands in the message).
   GridChoice choose_grid(const std::string& name, const Box& box);
 
+  /// What speaks against the thickness; see GridOptions.
+  std::string doubt_of_thickness(const Box& mesh) const { return grid_.doubt_of_thickness(mesh); }
+
   /// The samples of the grid, where no mesh is needed to know them. Errors: usage.
   std::optional<Size3> known_size() const { return grid_.known_size(); }
 

@@ -11,6 +11,7 @@
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/process.h"
+#include "cli/suggest.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"
 #include "files/atomic_folder.h"
@@ -43,6 +44,46 @@ bool is_folder_format(const fs::path& path) {
   });
 }
 
+// A name without its folder and its extensions: "bunny" of "scans/bunny.obj.gz".
+std::string stem_of(const fs::path& path) { return (path.extension() == ".gz" ? path.stem() : path).stem().string(); }
+
+// Whether a verb reads files of this name.
+bool is_input_name(const fs::path& path) {
+  const std::string extension = extension_of(path);
+  return extension == "body" || extension == "query" || knows(mesh_formats(), extension, false) ||
+         knows(field_formats(), extension, false);
+}
+
+// The files that somebody may have meant who named one that is not there: of its folder, those that verbs read, and
+// those with its extension. Of several the ones with its extension.
+std::vector<std::string> meant_files(const fs::path& missing) {
+  constexpr std::size_t kMostFiles = 10'000;  // of a folder; with more nobody wants to wait for a guess
+  std::vector<std::string> names, stems;
+  all_entries(missing.has_parent_path() ? missing.parent_path() : fs::path("."), [&](const char* name, bool is_folder) {
+    const bool same_extension = extension_of(name) == extension_of(missing) && !extension_of(missing).empty();
+    if (is_folder ? is_folder_format(name) : is_input_name(name) || same_extension) names.emplace_back(name);
+    return names.size() < kMostFiles;
+  });
+  std::ranges::sort(names);
+  for (const std::string& name : names) stems.push_back(stem_of(name));
+  std::vector<std::string> near;
+  for (const std::size_t index : meant(stem_of(missing), stems)) near.push_back(names[index]);
+  const auto differs = [&](const std::string& name) { return extension_of(name) != extension_of(missing); };
+  if (!std::ranges::all_of(near, differs)) std::erase_if(near, differs);
+  for (std::string& name : near) name = (missing.parent_path() / name).string();
+  return near;
+}
+
+// Of a scene that there is not.
+[[noreturn]] void fail_unknown_scene(const std::string& written) {
+  std::vector<std::string> names, near;
+  for (const auto& scene : scenes::all()) names.push_back(scene.name);
+  for (const std::size_t index : meant(written, names)) near.push_back(std::string(kScene) + names[index]);
+  throw Error(ErrorCode::usage, std::string(kScene) + written + ": there is no such scene" + did_you_mean(near) +
+                                    (near.empty() ? "; " : " ") + "standoff generate --list shows all " +
+                                    std::to_string(names.size()));
+}
+
 }  // namespace
 
 FileKind kind_of(const fs::path& path) {
@@ -64,13 +105,16 @@ void check_input(const std::string& name) {
   if (name.starts_with(kScene)) {
     const SceneName scene = parse_scene(name);
     if (!std::ranges::any_of(scenes::all(), [&](const auto& known) { return known.name == scene.name; }))
-      scenes::make(scene.name);  // says which there are
+      fail_unknown_scene(scene.name);
     return;
   }
   std::error_code ignored;
   const auto status = fs::status(name, ignored);
   if (fs::is_directory(status) && is_store(name)) return;
   if (fs::is_fifo(status) || (fs::is_regular_file(status) && ::access(name.c_str(), R_OK) == 0)) return;
+  if (!fs::exists(status))
+    if (const std::vector<std::string> near = meant_files(name); !near.empty())
+      throw Error(ErrorCode::input, name + ": no such file" + did_you_mean(near));
   read_text(name);  // says why it cannot be read
 }
 
@@ -112,8 +156,7 @@ void MeshInput::add_scale_to(CLI::App& verb) {
 
 std::string MeshInput::stem() const {
   if (name_.starts_with(kScene)) return parse_scene(name_).name;
-  const fs::path path(name_);
-  return (path.extension() == ".gz" ? path.stem() : path).stem().string();
+  return stem_of(name_);
 }
 
 MeshReadResult MeshInput::read_with_report() const {
@@ -132,6 +175,12 @@ MeshReadResult MeshInput::read_with_report() const {
   if (scale != 1)
     for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
   return {std::move(mesh), {}};
+}
+
+MeshWriteOptions MeshInput::write_options(const MeshReadReport& read, Existing existing) const {
+  MeshWriteOptions options{.existing = existing, .metres_per_unit = unit_ ? 1 : read.metres_per_unit};
+  options.y_up = read.metres_per_unit > 0 || read.turned() || name_.starts_with(kScene);
+  return options;
 }
 
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {

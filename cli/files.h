@@ -63,6 +63,9 @@ class MeshInput {
   /// The same with what was done to the file's coordinates.
   MeshReadResult read_with_report() const;
 
+  /// How a mesh that was made of this one is written: in its unit, and with its direction that is up.
+  MeshWriteOptions write_options(const MeshReadReport& read, Existing existing) const;
+
   /// Sets a name that is no argument of its own.
   void set_name(const std::string& name) { name_ = name; }
 

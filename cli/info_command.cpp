@@ -173,8 +173,9 @@ constexpr const char* kInfoExamples =
 
 MeshReport examined(const MeshInput& input, const Mesh& mesh, MeshReportOptions options, const Console& console) {
   const auto start = std::chrono::steady_clock::now();
-  options.progress = console.progress();  // with the bar, until this returns
+  options.progress = console.progress();
   MeshReport found = report(mesh, options);
+  options.progress = nullptr;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   console.detail("examining " + input.name() + ": " + seconds_text(elapsed.count()));
   return found;

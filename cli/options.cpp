@@ -70,7 +70,20 @@ void GridOptions::add_to(CLI::App& verb) {
   add_parsed(verb,
              {"-t,--thickness", "T",
               "half-width of the band: world units (0.5), samples (3s),\nor inf for every sample (default)", "Grid"},
-             [this](const std::string& o, const std::string& t) { thickness_ = parse_thickness(o, t); });
+             [this](const std::string& o, const std::string& t) {
+               thickness_ = parse_thickness(o, t);
+               thickness_is_whole_ = t.find_first_not_of("0123456789") == t.npos;
+             });
+}
+
+std::string GridOptions::doubt_of_thickness(const Box& mesh) const {
+  constexpr double kLargeShare = 0.1;  // of the diagonal; bands are a few samples, of which there are hundreds
+  constexpr double kMostSamples = 50;  // nobody means more
+  const double diagonal = length(mesh.extent());
+  if (!thickness_is_whole_ || thickness_.value > kMostSamples || thickness_.value <= kLargeShare * diagonal) return "";
+  const std::string given = number(thickness_.value);
+  return "--thickness " + given + " is " + given + " world units, and the mesh is " + number(diagonal) +
+         " across; for " + given + " samples give -t " + given + "s, and -t " + given + ".0 if world units are meant";
 }
 
 void GridOptions::add_without_thickness_to(CLI::App& verb) {

@@ -85,6 +85,9 @@ class GridOptions {
 
   /// The grid for a mesh with the given bounds. Errors: usage.
   GridChoice choose(const Box& mesh) const;
+  /// What speaks against the thickness, for a warning: a whole number of world units that is much of the mesh was
+  /// meant to be samples, mostly. Empty where nothing does.
+  std::string doubt_of_thickness(const Box& mesh) const;
   /// The samples of the grid where they are the same for every mesh; nothing where the mesh decides them. Errors:
   /// usage.
   std::optional<Size3> known_size() const;
@@ -102,6 +105,7 @@ class GridOptions {
   std::optional<Box> bounds_;
   std::optional<double> padding_;  // samples
   Thickness thickness_{std::numeric_limits<double>::infinity()};
+  bool thickness_is_whole_ = false;  // written as 3, not as 3.0, 0.5, 3s or inf
 };
 
 /// "grid 256 x 254 x 200, spacing 0.1, full field".

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "cli/console.h"
 #include "cli/files.h"
@@ -105,6 +106,7 @@ struct SurfaceCommand {
   void expect_surface(const SurfaceResult& found, const std::string& what_to_do) const;
   void set_levels(double spacing);
   SurfaceSubject subject;
+  MeshReadReport read;  // of the mesh, if it is one
 };
 
 // "0.5", "-0.5" or "-2s".
@@ -186,7 +188,9 @@ SurfaceResult SurfaceCommand::of_slices(const FieldSlices& slices) {
 }
 
 SurfaceResult SurfaceCommand::of_mesh() {
-  const Mesh mesh = with_spinner(console, "reading " + input.name(), [&] { return input.read(); });
+  MeshReadResult loaded = with_spinner(console, "reading " + input.name(), [&] { return input.read_with_report(); });
+  const Mesh mesh = std::move(loaded.mesh);
+  read = std::move(loaded.report);
   validate(mesh);
   Box box = bounds(mesh);
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
@@ -215,8 +219,9 @@ void SurfaceCommand::run() {
   output.check(mesh_formats());
   output.check_differs(input.name());
   options.memory_limit = field_argument.memory_limit();
-  // .stl has no other numbers; where they do not suffice, the error comes before the file.
-  if (!coordinates_given && output.path().extension() == ".stl") options.coordinates = Coordinates::single;
+  // These have no other numbers; where they do not suffice, the error comes before the file.
+  if (!coordinates_given && (output.path().extension() == ".stl" || output.path().extension() == ".glb"))
+    options.coordinates = Coordinates::single;
   const SurfaceResult found = is_field ? of_field() : of_mesh();
   options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
@@ -228,7 +233,7 @@ void SurfaceCommand::run() {
                                     std::string(name_of(found.report.sign.method)) +
                                     "; take more samples (-r), another --sign, or a larger --at"));
   with_spinner(console, "writing " + output.path().string(),
-               [&] { write_mesh(output.path(), found.mesh, output.existing()); });
+               [&] { write_mesh(output.path(), found.mesh, input.write_options(read, output.existing())); });
   say(found, output.path().string(), console);
   if (console.json()) print(surface_json(input.name(), subject, options, found, output.path()), output.path());
 }

@@ -2,10 +2,15 @@
 #include "cli/verb.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/console.h"
+#include "cli/suggest.h"
+#include "cli/text.h"
 #include "standoff/error.h"
 #include "standoff/version.h"
 
@@ -28,6 +33,16 @@ Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 unusable input, 4 cannot 
 6 no such device, 7 verify found wrong values, 8 the sign is not certain,
 130 interrupted.)";
 
+}  // namespace
+
+std::string value_name(const CLI::Option& option) {
+  if (option.get_positional()) return option.get_name(true);
+  if (option.get_items_expected_max() == 0) return "";
+  return option.get_option_text().empty() ? "TEXT" : option.get_option_text();
+}
+
+namespace {
+
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(28); }
@@ -40,7 +55,7 @@ class HelpFormatter : public CLI::Formatter {
   }
   // Our descriptions say what excludes what where it needs saying.
   std::string make_option_opts(const CLI::Option* option) const override {
-    return option->get_option_text().empty() ? "" : " " + option->get_option_text();
+    return value_name(*option).empty() || option->get_positional() ? "" : " " + value_name(*option);
   }
   std::string make_subcommand(const CLI::App* verb) const override {
     const std::string description = verb->get_description();
@@ -58,30 +73,6 @@ std::string help_about(const CLI::App& app) {
   return text;
 }
 
-// Insertions, deletions and replacements that turn one word into the other.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j)
-      diagonal = std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, diagonal + (a[i] != b[j])}));
-  }
-  return row.back();
-}
-
-// "; did you mean 'X'?" for the nearest of the words, when one is near.
-std::string suggestion(const std::string& word, const std::vector<std::string>& words) {
-  const std::string* nearest = nullptr;
-  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const auto& candidate : words)
-    if (const auto distance = edits(word, candidate); distance < least) {
-      least = distance;
-      nearest = &candidate;
-    }
-  return nearest ? "; did you mean '" + *nearest + "'?" : "";
-}
-
 std::vector<std::string> verbs(const CLI::App& program) {
   std::vector<std::string> names;
   for (const CLI::App* verb : program.get_subcommands({})) names.push_back(verb->get_name());
@@ -97,6 +88,12 @@ std::vector<std::string> options(const CLI::App& verb) {
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::usage, what); }
 
+// The end of a message about a word that is none of these: which may have been meant, or else where they stand.
+std::string instead_of(const std::string& word, const std::vector<std::string>& words, const std::string& see) {
+  const std::string near = did_you_mean(word, words);
+  return near.empty() ? see : near;
+}
+
 // What the command line parser has to say, in our words.
 [[noreturn]] void fail(const CLI::App& program, const CLI::ParseError& error) {
   const auto named = program.get_subcommands();
@@ -107,13 +104,15 @@ std::vector<std::string> options(const CLI::App& verb) {
     fail(what.replace(at, 10, " and ") + " cannot go together; give one of them");
   if (const auto at = what.find(" requires "); at != std::string::npos)
     fail(what.replace(at, 10, " needs ") + "; give both or neither");
+  if (const auto early = program.remaining(false); !early.empty() && (!named.empty() || early.front().starts_with('-')))
+    fail("'" + early.front() + "' stands before the verb; begin with the verb, as in standoff compute MESH");
   if (const auto remaining = program.remaining(true); !remaining.empty()) {
     const std::string& word = remaining.front();
     if (named.empty() && word.find('.') != std::string::npos)
       fail("'" + word + "' is no verb; for its field: standoff compute " + word);
-    if (named.empty()) fail("'" + word + "' is no verb" + suggestion(word, verbs(program)) + see);
+    if (named.empty()) fail("'" + word + "' is no verb" + instead_of(word, verbs(program), see));
     if (word.starts_with('-'))
-      fail("unknown option '" + word + "'" + suggestion(word.substr(0, word.find('=')), options(verb)) + see);
+      fail("unknown option '" + word + "'" + instead_of(word.substr(0, word.find('=')), options(verb), see));
     const bool writes = verb.get_option_no_throw("--output") != nullptr;
     fail("'" + word + "' is one argument too many" + (writes ? "; name the output with -o, as in -o " + word : see));
   }
@@ -156,14 +155,30 @@ void add_version_and_help(CLI::App& program) {
     if (about->empty()) return print(help_about(program));
     for (const CLI::App* verb : program.get_subcommands({}))
       if (verb->get_name() == *about) return print(help_about(*verb));
-    fail("'" + *about + "' is no verb" + suggestion(*about, verbs(program)) + "; see standoff help");
+    const std::vector<std::string> known = verbs(program);
+    fail("'" + *about + "' is no verb" + instead_of(*about, known, "; take " + joined(known)));
   });
 }
 
+namespace {
+
+// Flags that most verbs have are taken before the verb too, as many programs take them: they are moved behind it.
+void move_flags_behind_verb(std::vector<char*>& words) {
+  constexpr std::array<std::string_view, 5> kFlags{"-q", "--quiet", "-v", "--verbose", "--json"};
+  const auto verb = std::find_if(words.begin() + 1, words.end(), [&](std::string_view word) {
+    return std::ranges::find(kFlags, word) == kFlags.end();
+  });
+  if (verb != words.end() && **verb != '-') std::rotate(words.begin() + 1, verb, verb + 1);
+}
+
+}  // namespace
+
 void parse(CLI::App& program, int argc, char** argv) {
   if (argc < 2) fail("no verb given; see standoff help, or begin with standoff compute MESH");
+  std::vector<char*> words(argv, argv + argc);
+  move_flags_behind_verb(words);
   try {
-    program.parse(argc, argv);
+    program.parse(argc, words.data());
   } catch (const CLI::CallForHelp&) {
     const auto named = program.get_subcommands();
     print(help_about(named.empty() ? program : *named.front()));

@@ -17,6 +17,9 @@ void add_version_and_help(CLI::App& program);
 /// A verb with a line about it and its examples, which come first in its help.
 CLI::App* add_verb(CLI::App& program, const std::string& name, const std::string& line, const std::string& examples);
 
+/// The word that stands for the value of an option, or for an argument, in the help: "FIELD". Empty for a flag.
+std::string value_name(const CLI::Option& option);
+
 /// Runs the verb that the command line names, or prints the help it asks for. Errors: usage, and the verb's own.
 void parse(CLI::App& program, int argc, char** argv);
 
@@ -40,7 +43,9 @@ void parse(CLI::App& program, int argc, char** argv);
   ROW(distance)             \
   ROW(sweep)                \
   ROW(fly)                  \
-  ROW(devices)
+  ROW(devices)              \
+  ROW(completion)           \
+  ROW(man)
 
 #define STANDOFF_ROW(verb) void add_##verb(CLI::App& program);
 STANDOFF_VERBS(STANDOFF_ROW)

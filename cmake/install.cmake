@@ -41,6 +41,18 @@ install(FILES ${STANDOFF_LICENCES} TYPE DOC COMPONENT program)
 install(FILES ${STANDOFF_LICENCES} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libstandoff-dev COMPONENT dev)
 if(STANDOFF_BUILD_CLI)
   install(TARGETS standoff_cli COMPONENT program)
+  if(STANDOFF_MANUAL_FOLDER)
+    install(DIRECTORY ${STANDOFF_MANUAL_FOLDER}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+    install(FILES ${STANDOFF_MANUAL_FOLDER}/bash/standoff DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+            COMPONENT program)
+    install(FILES ${STANDOFF_MANUAL_FOLDER}/fish/standoff.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+            COMPONENT program)
+    # Debian's zsh looks in the second one below /usr, all others in the first.
+    foreach(folder IN ITEMS site-functions vendor-completions)
+      install(FILES ${STANDOFF_MANUAL_FOLDER}/zsh/_standoff DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${folder}
+              COMPONENT program)
+    endforeach()
+  endif()
 endif()
 if(STANDOFF_TOP_LEVEL)
   include(cmake/package.cmake)

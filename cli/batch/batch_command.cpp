@@ -114,7 +114,7 @@ BatchSummary BatchRun::run(std::shared_ptr<ResultSink> sink) {
                     return work->make(BatchOrder::of(order), wait_to_be_alone).text();
                   });
   pool.keep_from_workers(manifest_.descriptor());
-  const auto bar = command_.console.progress();
+  const auto bar = command_.console.progress(false);
   std::string shown;
   WorkerPool::Caller caller;
   caller.next = [this](PoolTask& task) { return next(task); };

@@ -101,7 +101,7 @@ void draw_failures(std::vector<Failure>& failures, const ReportOptions& options,
   std::size_t begun = 0, done = 0;
   WorkerPool pool(options.workers, options.timeout_s,
                   [](const std::string& path, const std::function<void()>&) { return draw(path); });
-  const auto bar = console.progress();
+  const auto bar = console.progress(false);
   const Cancellable cancellable;
   WorkerPool::Caller caller;
   caller.next = [&](PoolTask& task) {

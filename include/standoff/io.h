@@ -76,9 +76,15 @@ STANDOFF_API MeshReadResult read_mesh(const std::filesystem::path& path, const M
 struct MeshWriteOptions {
   Existing existing = Existing::replace;
   ProgressCallback progress = {};
+  // Of the formats that are written, 3MF alone has a unit and a direction that is up (docs/formats.md).
+  /// Metres per unit of the coordinates, as MeshReadReport has it; 0: unknown, which 3MF takes for millimetres.
+  double metres_per_unit = 0;
+  /// Whether y is up, as in what the readers make of formats that have such a direction; else z.
+  bool y_up = false;
 };
 
-/// Writes a mesh; the file appears whole or not at all. Errors: output, usage (unknown extension), interrupted.
+/// Writes a mesh; the file appears whole or not at all. Errors: output (also a mesh that the format cannot hold),
+/// usage (unknown extension, a number of metres that is negative or not finite), interrupted.
 STANDOFF_API void write_mesh(const std::filesystem::path& path, MeshView mesh, const MeshWriteOptions& options = {});
 inline void write_mesh(const std::filesystem::path& path, MeshView mesh, Existing existing) {
   write_mesh(path, mesh, MeshWriteOptions{.existing = existing});

@@ -57,7 +57,7 @@ def test_trimesh_closest_points():
 
 def test_trimesh_reads_what_we_write(tmp_path):
     ours = so.Mesh(*shapes.sphere(8))
-    for extension in (".stl", ".ply", ".obj"):
+    for extension in (".stl", ".ply", ".obj", ".glb"):
         path = tmp_path / f"mesh{extension}"
         ours.save(path)
         theirs = trimesh.load(path, process=True, force="mesh")

@@ -41,6 +41,27 @@ TEST_F(Compute, WritesBesideNothing) {
   EXPECT_NE(field.provenance().mesh_hash, 0u);
 }
 
+// Compute and write stand apart.
+TEST_F(Compute, SaysWhatTookHowLong) {
+  const Ran ran = done(words("compute scene:box -r 20"));
+  EXPECT_TRUE(ran.says(" s of it compute and ")) << ran.err;
+  EXPECT_TRUE(ran.says(" s write; tiles on cpu")) << ran.err;
+}
+
+// A thickness of whole world units that is much of the mesh, which is 2.7 across, was meant to be samples.
+TEST_F(Compute, WarnsOfAThicknessThatWasMeantInSamples) {
+  const auto warns = [&](const std::string& thickness) {
+    return done(words("compute scene:box -r 20 -q -f -o box.vti -t " + thickness)).says("standoff: warning");
+  };
+  EXPECT_TRUE(done(words("compute scene:box -r 20 -q -t 3"))
+                  .says("--thickness 3 is 3 world units, and the mesh is 2.69258 across; for 3 samples give -t 3s, and "
+                        "-t 3.0 if world units are meant"));
+  EXPECT_TRUE(warns("1"));
+  for (const char* thickness : {"3s", "inf", "3.0", "0.5", "100", "1e0"}) EXPECT_FALSE(warns(thickness)) << thickness;
+  EXPECT_FALSE(warns("3 --scale 20")) << "3 of 54";
+  EXPECT_TRUE(done(words("compute scene:box -r 20 -t 2 --dry-run")).says("for 2 samples give -t 2s"));
+}
+
 TEST_F(Compute, EveryFormatHoldsTheSameField) {
   for (const std::string name : {"a.vti --with triangle", "a.npz --with triangle", "a.nrrd"})
     done(words("compute scene:box -r 20 -t 0.3 -o " + name));
@@ -154,7 +175,7 @@ TEST_F(Compute, DryRunTellsTheFileSize) {
 TEST_F(Compute, TheInputIsCheckedFirst) {
   write_bytes(folder / "box.vti", "mine");
   EXPECT_TRUE(run(words("compute missing.stl -o box.vti")).says("missing.stl: no such file"));
-  EXPECT_TRUE(run(words("compute scene:nowhere -o box.vti")).says("no scene is called 'nowhere'"));
+  EXPECT_TRUE(run(words("compute scene:nowhere -o box.vti")).says("scene:nowhere: there is no such scene"));
   write_bytes(folder / "broken.stl", "solid");
   EXPECT_TRUE(run(words("compute broken.stl -o box.vti")).says("box.vti: it exists"));
   EXPECT_TRUE(run(words("build missing.stl -o no/such.body")).says("missing.stl: no such file"));

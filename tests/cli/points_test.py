@@ -253,7 +253,7 @@ class Points(unittest.TestCase):
             (b"1,5;2,5;3,5\n", "line 1: expected a number, found '1,5'"),
             # Words are no points, and no heading either unless numbers follow.
             (b"hello\n", "line 1: expected a number, found 'hello'"),
-            (b"# a poem\n\nthe quick brown fox\n\n", "line 3: expected three numbers, or columns called x, y and z"),
+            (b"# a poem\n\nthe quick brown fox\n\n", "line 3: expected three numbers, or columns called x, y and z, found 'the quick brown fox'"),
             (b"the quick brown fox\njumps over it all\n", "line 2: expected a number, found 'jumps'"),
         ]:
             self.refused(3, "standard input:" + message, "scene:box", "-", stdin=text)

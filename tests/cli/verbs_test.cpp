@@ -79,6 +79,13 @@ TEST_F(Verbs, VerboseSaysHowLongFilesTook) {
   EXPECT_EQ(done(words("info box.ply")).err, "");
 }
 
+// Flags that most verbs have may stand before the verb.
+TEST_F(Verbs, FlagsBeforeTheVerb) {
+  EXPECT_TRUE(done(words("--verbose info scene:box")).says("reading scene:box: 0.0"));
+  EXPECT_EQ(done(words("--json -v info scene:box")).json()["mesh"]["triangles"], 12);
+  EXPECT_EQ(done(words("-q generate box")).err, "");
+}
+
 TEST_F(Verbs, InfoOfAMesh) {
   const Json box = done(words("info scene:box --json")).json();
   EXPECT_EQ(box["kind"], "mesh");

@@ -18,8 +18,9 @@ struct MeshFormat {
   bool (*recognises)(std::string_view content);  ///< cheap; false when in doubt
   /// The file is not empty. What it does to coordinates, it reports.
   Mesh (*read)(const FileView&, MeshReadReport&);
-  void (*write)(AtomicFile&, MeshView) = nullptr;  ///< everything but the commit; nullptr when it cannot
-  bool packed = false;                             ///< its files are compressed, so that gzip around them is refused
+  /// Everything but the commit; nullptr when it cannot.
+  void (*write)(AtomicFile&, MeshView, const MeshWriteOptions&) = nullptr;
+  bool packed = false;  ///< its files are compressed, so that gzip around them is refused
 };
 
 /// The table, in the order of help and messages; the content of a file without a known extension is tried in this
@@ -53,6 +54,12 @@ template <Mesh (*read)(const FileView&)>
 Mesh in_metres(const FileView& file, MeshReadReport& report) {
   report.metres_per_unit = 1;
   return read(file);
+}
+
+/// MeshFormat::write of a writer of coordinates as they are.
+template <void (*write)(AtomicFile&, MeshView)>
+void as_they_are(AtomicFile& file, MeshView mesh, const MeshWriteOptions&) {
+  write(file, mesh);
 }
 
 }  // namespace standoff

@@ -175,11 +175,14 @@ void write_mesh(const std::filesystem::path& path, MeshView mesh, const MeshWrit
     throw Error(ErrorCode::usage, path.string() + ": no mesh format to write goes by this extension; use one of " +
                                       extensions([](const MeshFormat& f) { return f.write != nullptr; }));
   validate(mesh);
+  if (!(std::isfinite(options.metres_per_unit) && options.metres_per_unit >= 0))
+    throw Error(ErrorCode::usage,
+                path.string() + ": metres per unit must be finite and not negative; give 0 where they are unknown");
   ProgressMeter meter(options.progress);
   meter.stage("write", 1, 0, 1);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);
-  format->write(file, mesh);
+  format->write(file, mesh, options);
   meter.stage("done", 1, 1, 1);  // nothing stops what follows: the file is there, or there was an error
   file.commit();
 } catch (...) {

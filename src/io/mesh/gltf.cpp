@@ -23,6 +23,7 @@
 #include "io/mesh/format.h"
 #include "io/mesh/gltf_data.h"
 #include "io/mesh/scene.h"
+#include "io/mesh/writers.h"
 
 namespace standoff {
 namespace {
@@ -500,6 +501,7 @@ Mesh read_glb(const FileView& file) {
 }  // namespace
 
 constinit const MeshFormat kMeshGltf{"gltf", "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>};
-constinit const MeshFormat kMeshGlb{"glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>};
+constinit const MeshFormat kMeshGlb{
+    "glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, as_they_are<write_glb>};
 
 }  // namespace standoff

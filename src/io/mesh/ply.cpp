@@ -192,6 +192,6 @@ void write_ply(AtomicFile& file, MeshView mesh) {
 }  // namespace
 
 constinit const MeshFormat kMeshPly{"ply",  "PLY",           "PLY, binary or ASCII; written as binary little endian",
-                                    is_ply, as_is<read_ply>, write_ply};
+                                    is_ply, as_is<read_ply>, as_they_are<write_ply>};
 
 }  // namespace standoff

@@ -19,6 +19,7 @@
 #include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
+#include "io/mesh/writers.h"
 #include "standoff/error.h"
 
 namespace standoff {
@@ -188,20 +189,6 @@ bool is_stl(std::string_view content) {
 
 Mesh read_stl(const FileView& file) { return is_ascii(file.bytes()) ? read_ascii(file) : read_binary(file); }
 
-[[noreturn]] void fail(const AtomicFile& file, const std::string& message) {
-  throw Error(ErrorCode::output, file.target().string() + ": " + message);
-}
-
-std::array<float, 3> as_floats(Vec3 p) {
-  return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-// STL holds nothing but floats. Rounding is what the caller asked for; infinity is not.
-bool fits_floats(Vec3 p) {
-  constexpr double largest = std::numeric_limits<float>::max();
-  return std::abs(p.x) <= largest && std::abs(p.y) <= largest && std::abs(p.z) <= largest;
-}
-
 Vec3 unit_normal(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 n = cross(b - a, c - a);
   const double size = length(n);
@@ -210,7 +197,7 @@ Vec3 unit_normal(Vec3 a, Vec3 b, Vec3 c) {
 
 void write_stl(AtomicFile& file, MeshView mesh) {
   if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    fail(file, "STL holds at most 4294967295 triangles; write .ply");
+    fail_to_write(file, "STL holds at most 4294967295 triangles; write .ply");
   std::array<char, kStlHeader> header{};
   constexpr std::string_view kText = "standoff, binary STL, little endian";
   kText.copy(header.data(), kText.size());
@@ -219,8 +206,7 @@ void write_stl(AtomicFile& file, MeshView mesh) {
   file.write(header.data(), header.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [a, b, c] = mesh.corners(t);
-    if (!fits_floats(a) || !fits_floats(b) || !fits_floats(c))
-      fail(file, "a vertex is too far from the origin for the 32-bit floats of STL; write .ply or .obj");
+    for (const Vec3& corner : {a, b, c}) check_fits_floats(file, corner, "STL");
     std::array<char, kStlRecord> record{};
     char* at = record.data();
     for (const auto& floats : {as_floats(unit_normal(a, b, c)), as_floats(a), as_floats(b), as_floats(c)}) {
@@ -234,6 +220,6 @@ void write_stl(AtomicFile& file, MeshView mesh) {
 }  // namespace
 
 constinit const MeshFormat kMeshStl{"stl",  "STL",           "STL, binary or ASCII; written as binary",
-                                    is_stl, as_is<read_stl>, write_stl};
+                                    is_stl, as_is<read_stl>, as_they_are<write_stl>};
 
 }  // namespace standoff

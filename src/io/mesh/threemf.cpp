@@ -19,6 +19,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/scene.h"
+#include "io/mesh/writers.h"
 #include "standoff/error.h"
 #include "standoff/mesh.h"
 
@@ -480,6 +481,6 @@ Mesh read_3mf(const FileView& file, MeshReadReport& report) {
 
 }  // namespace
 
-constinit const MeshFormat kMesh3mf{"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, nullptr, true};
+constinit const MeshFormat kMesh3mf{"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, write_3mf, true};
 
 }  // namespace standoff

@@ -100,9 +100,8 @@ class TextPoints : public PointReader {
     }
     // Columns of other names are points if numbers stand below them; any text has a first line.
     if (n < points.size() && read_ == 0 && unknown_names_ > 0)
-      lines_.fail_at(unknown_names_,
-                     "expected three numbers, or columns called x, y and z; give a point on each line, "
-                     "as x,y,z");
+      lines_.fail_at(unknown_names_, "expected three numbers, or columns called x, y and z, found " +
+                                         in_quotes(unknown_line_) + "; give a point on each line, as x,y,z");
     return n;
   }
   double fraction() const override { return lines_.fraction(); }
@@ -136,7 +135,10 @@ class TextPoints : public PointReader {
     // Three equal words are no heading: they may stand for missing values.
     const bool three_names = std::ranges::none_of(first, &std::string_view::empty) && first[0] != first[1] &&
                              first[0] != first[2] && first[1] != first[2];
-    if (three_names) unknown_names_ = lines_.number();
+    if (three_names) {
+      unknown_names_ = lines_.number();
+      unknown_line_ = line;
+    }
     return three_names;
   }
 
@@ -172,6 +174,7 @@ class TextPoints : public PointReader {
   std::array<int, 3> columns_{0, 1, 2};
   std::uint64_t read_ = 0;
   std::uint64_t unknown_names_ = 0;  // the line of names that are not x, y and z, if there is one
+  std::string unknown_line_;
 };
 
 }  // namespace

@@ -97,6 +97,35 @@ TEST(MeshFormats, StlKeepsTrianglesInOrderAndFloats) {
     }
 }
 
+TEST(MeshFormats, GlbKeepsFloats) {
+  const TempFolder folder;
+  const Mesh mesh = blob(true);
+  write_mesh(folder / "mesh.glb", mesh);
+  const Mesh read = read_mesh(folder / "mesh.glb").mesh;
+  EXPECT_EQ(read.triangles, mesh.triangles);
+  ASSERT_EQ(read.vertices.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < read.vertices.size(); ++v) EXPECT_EQ(read.vertices[v], rounded(mesh.vertices[v]));
+}
+
+// What is known of the coordinates goes into the file, so that reading gives the same ones; else a slicer gets the
+// same part as from STL: millimetres, z up.
+TEST(MeshFormats, ThreemfKeepsEveryBitInMetres) {
+  const TempFolder folder;
+  const Mesh mesh = blob(true);
+  write_mesh(folder / "mesh.3mf", mesh, {.metres_per_unit = 1, .y_up = true});
+  EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.vertices, mesh.vertices);
+  EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.triangles, mesh.triangles);
+  write_mesh(folder / "unknown.3mf", mesh);
+  const Mesh read = read_mesh(folder / "unknown.3mf").mesh;
+  ASSERT_EQ(read.vertices.size(), mesh.vertices.size());
+  for (std::size_t v = 0; v < read.vertices.size(); ++v) {
+    const Vec3 p = mesh.vertices[v] * 0.001;
+    EXPECT_LT(length(read.vertices[v] - Vec3{p.x, p.z, -p.y}), 1e-15);
+  }
+  expect_error([&] { write_mesh(folder / "a.3mf", mesh, {.metres_per_unit = -1}); }, ErrorCode::usage,
+               "metres per unit must be finite and not negative");
+}
+
 TEST(MeshFormats, StlNormalsAreOfUnitLengthOrZero) {
   const TempFolder folder;
   const Mesh mesh{{{0, 0, 0}, {1e-8, 0, 0}, {0, 1e-8, 0}}, {{0, 1, 2}, {2, 1, 0}, {0, 1, 1}}};
@@ -238,7 +267,7 @@ TEST(MeshFormats, TableTellsWhatThisBuildCan) {
     if (format.readable) read += format.extension + " ";
     EXPECT_FALSE(format.description.empty());
   }
-  EXPECT_EQ(written, "stl ply obj ");
+  EXPECT_EQ(written, "stl ply obj glb 3mf ");
   EXPECT_TRUE(read.starts_with("stl ply obj off ")) << read;
 }
 

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parsers know of the program, as data: the manual's pages and the completions of shells are made of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace standoff::cli {
+
+/// What may stand for a value.
+struct ManualValue {
+  std::string name;                     ///< "FIELD"; empty for a flag
+  bool files = false;                   ///< the name of a file
+  bool folders = false;                 ///< the name of a folder
+  std::vector<std::string> extensions;  ///< of files, without dots; empty: any
+  std::vector<std::string> words;       ///< one of these
+};
+
+struct ManualOption {
+  std::vector<std::string> names;  ///< "-o", "--output"
+  ManualValue value;
+  std::string help;  ///< one line
+  std::string group;
+};
+
+struct ManualArgument {
+  ManualValue value;
+  std::string help;  ///< one line
+  bool optional = false;
+  bool repeats = false;  ///< there may be several
+};
+
+/// A verb, or the program itself, which has no name.
+struct ManualPage {
+  std::string name;
+  std::string line;      ///< "compute the distance field of a mesh"
+  std::string examples;  ///< a line each, with two blanks before it
+  std::string footer;
+  std::vector<ManualArgument> arguments;
+  std::vector<ManualOption> options;
+};
+
+/// The page of the program, and then one for each verb, in the order of the help.
+std::vector<ManualPage> manual(const CLI::App& program);
+
+/// The page in the language of man(7); `pages` are those of manual().
+std::string man_page(const ManualPage& page, const std::vector<ManualPage>& pages);
+
+/// The script that completes command lines in a shell: bash, zsh or fish.
+std::string bash_completion(const std::vector<ManualPage>& pages);
+std::string zsh_completion(const std::vector<ManualPage>& pages);
+std::string fish_completion(const std::vector<ManualPage>& pages);
+
+}  // namespace standoff::cli

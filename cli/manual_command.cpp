@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// standoff completion: the script by which a shell completes command lines. standoff man: a page of the manual.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/console.h"
+#include "cli/manual.h"
+#include "cli/parse.h"
+#include "cli/suggest.h"
+#include "cli/text.h"
+#include "cli/verb.h"
+#include "standoff/error.h"
+
+namespace standoff::cli {
+namespace {
+
+constexpr const char* kCompletionExamples =
+    R"(  standoff completion bash >~/.local/share/bash-completion/completions/standoff
+  standoff completion zsh >~/.zsh/_standoff                 in a folder of $fpath
+  standoff completion fish >~/.config/fish/completions/standoff.fish
+  source <(standoff completion bash)                        for this shell alone
+)";
+
+constexpr const char* kManExamples = R"(  standoff man | man -l -                    the page of the program
+  standoff man compute | man -l -            that of a verb
+  standoff man --list                        the verbs that have one
+)";
+
+void print_man_page(const CLI::App& program, const std::string& verb) {
+  const std::vector<ManualPage> pages = manual(program);
+  const auto found = std::ranges::find(pages, verb, &ManualPage::name);
+  if (found != pages.end()) return print(man_page(*found, pages));
+  std::vector<std::string> verbs;
+  for (const ManualPage& page : pages)
+    if (!page.name.empty()) verbs.push_back(page.name);
+  const std::string near = did_you_mean(verb, verbs);
+  throw Error(ErrorCode::usage, "man: '" + verb + "' is no verb" + (near.empty() ? "; see standoff man --list" : near));
+}
+
+}  // namespace
+
+void add_completion(CLI::App& program) {
+  auto* verb =
+      add_verb(program, "completion", "print the script that completes command lines in a shell", kCompletionExamples);
+  const auto shell = std::make_shared<std::string>();
+  verb->add_option("SHELL", *shell, "bash, zsh or fish")->required();
+  verb->callback([&program, shell] {
+    using Make = std::string (*)(const std::vector<ManualPage>&);
+    constexpr Make kMakers[] = {bash_completion, zsh_completion, fish_completion};
+    print(kMakers[parse_choice("completion", *shell, {"bash", "zsh", "fish"})](manual(program)));
+  });
+}
+
+void add_man(CLI::App& program) {
+  auto* verb = add_verb(program, "man", "print a page of the manual, for man", kManExamples);
+  const auto about = std::make_shared<std::string>();
+  const auto list = std::make_shared<bool>(false);
+  verb->add_option("VERB", *about, "a verb (default: the program)");
+  verb->add_flag("--list", *list, "print the names of the verbs instead");
+  verb->callback([&program, about, list] {
+    if (!*list) return print_man_page(program, *about);
+    std::string text;
+    for (const ManualPage& page : manual(program))
+      if (!page.name.empty()) text += page.name + "\n";
+    print(text);
+  });
+}
+
+}  // namespace standoff::cli

@@ -1,0 +1,166 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The manual's pages and the completions of shells have every verb and option that the help has, and complete in real
+shells. What needs zsh, fish or a program that checks pages is skipped, with a line, where there is none."""
+
+import os
+import re
+import shutil
+import subprocess
+import unittest
+from pathlib import Path
+
+STANDOFF = os.environ["STANDOFF"]
+
+
+def run(*arguments):
+    return subprocess.run([STANDOFF, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+VERBS = re.findall(r"^  (\w+) ", run("help").split("\nVerbs:\n")[1].split("\n\n")[0], re.MULTILINE)
+OPTIONS = {verb: re.findall(r"(?:^  |,)(--?[\w-]+)", run("help", verb).split("\nOptions:")[1], re.MULTILINE) for verb in VERBS}
+SCRIPTS = {shell: run("completion", shell) for shell in ("bash", "zsh", "fish")}
+
+
+def needs(program):
+    return unittest.skipUnless(shutil.which(program), f"there is no {program} here")
+
+
+class Completion(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        for shell, script in SCRIPTS.items():
+            Path(f"completion.{shell}").write_text(script)
+        for name in ("bunny.obj", "bunny.vti", "part.STL", "scan.ply.gz", "notes.txt", "two words.obj", "p.csv"):
+            Path(name).touch()
+        Path("folder").mkdir(exist_ok=True)
+
+    def bash(self, *words):
+        """What bash offers for the last of the words, which readline parts at = too."""
+        words = ["standoff", *words]
+        script = (
+            'source completion.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _standoff; '
+            '((${#COMPREPLY[@]})) && printf "%s\\n" "${COMPREPLY[@]}"; true'
+        )
+        ran = subprocess.run(
+            ["bash", "--norc", "-c", script, "bash", *words], check=True, capture_output=True, text=True
+        )
+        self.assertEqual(ran.stderr, "")
+        return set(ran.stdout.splitlines())
+
+    def test_the_help_was_understood(self):
+        self.assertGreater(len(VERBS), 20)
+        self.assertIn("--resolution", OPTIONS["compute"])
+        self.assertIn("-r", OPTIONS["compute"])
+        self.assertIn("--sign", OPTIONS["points"])
+
+    def test_bash_offers_every_verb_and_option(self):
+        self.assertEqual(self.bash(""), set(VERBS))
+        self.assertEqual(self.bash("com"), {"compute", "completion"})
+        for verb in VERBS:
+            offered = self.bash(verb, "-")
+            self.assertEqual({name for name in OPTIONS[verb] if name.startswith("--")} - offered, set(), verb)
+        self.assertEqual(self.bash("compute", "--reso"), {"--resolution"})
+        self.assertEqual(self.bash("--v"), {"--version"})
+
+    def test_bash_offers_files_by_the_verb(self):
+        meshes = {"bunny.obj", "part.STL", "scan.ply.gz", "two words.obj", "folder"}
+        self.assertEqual(self.bash("compute", ""), meshes)
+        self.assertEqual(self.bash("-v", "compute", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("slice", "b"), {"bunny.vti"})
+        self.assertEqual(self.bash("verify", "bunny.vti", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("verify", "--samples", "10", "bunny.vti", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("points", "bunny.obj", "p"), {"p.csv"})
+        self.assertEqual(self.bash("view", "bunny.obj", "bunny.vti", "b"), {"bunny.obj", "bunny.vti"})
+        self.assertEqual(self.bash("compute", "bunny.obj", "-o", "b"), {"bunny.vti"})
+        self.assertEqual(self.bash("compute", "bunny.obj", "--output", "=", "b"), {"bunny.vti"})
+        self.assertEqual(self.bash("compute", "bunny.obj", "--output", "="), {"bunny.vti", "folder"})
+        self.assertEqual(self.bash("compute", "bunny.obj", "--cache", ""), {"folder"})
+        self.assertEqual(self.bash("compute", "bunny.obj", "-r", ""), set())
+
+    def test_bash_offers_names(self):
+        self.assertIn("winding", self.bash("compute", "--sign", ""))
+        self.assertEqual(self.bash("compute", "--device", "cu"), {"cuda"})
+        self.assertEqual(self.bash("generate", "laby"), {"labyrinth"})
+        self.assertEqual(self.bash("help", "inf"), {"info"})
+        self.assertEqual(self.bash("completion", ""), {"bash", "zsh", "fish"})
+
+    def test_zsh_has_every_verb_and_option(self):
+        for verb in VERBS:
+            self.assertIn(f"\n    '{verb}:", SCRIPTS["zsh"])
+            part = SCRIPTS["zsh"].split(f"\n    {verb})\n")[1].split("\n      ;;")[0]
+            self.assertEqual([name for name in OPTIONS[verb] if not re.search(rf"[{{,'(]{name}[}},\[]", part)], [], verb)
+
+    def test_fish_has_every_verb_and_option(self):
+        for verb in VERBS:
+            self.assertIn(f"-n __fish_use_subcommand -a {verb} -d ", SCRIPTS["fish"])
+            lines = [line for line in SCRIPTS["fish"].splitlines() if f"'__standoff_verb {verb}'" in line]
+            found = {f"--{name}" for line in lines for name in re.findall(r" -l ([\w-]+)", line)}
+            found |= {f"-{name}" for line in lines for name in re.findall(r" -s (\w)", line)}
+            self.assertEqual(set(OPTIONS[verb]) - found, set(), verb)
+
+    @needs("zsh")
+    def test_zsh_reads_it(self):
+        subprocess.run(["zsh", "-fn", "completion.zsh"], check=True)
+        script = "autoload -U compinit; compinit -D -u; source ./completion.zsh; print -r -- $_comps[standoff]"
+        ran = subprocess.run(["zsh", "-fc", script], check=True, capture_output=True, text=True)
+        self.assertEqual((ran.stdout, ran.stderr), ("_standoff\n", ""))
+
+    @needs("fish")
+    def test_fish_completes(self):
+        def offered(line):
+            script = f"source completion.fish; complete -C '{line}'"
+            home = dict(os.environ, HOME=os.getcwd(), XDG_CONFIG_HOME=os.getcwd(), XDG_DATA_HOME=os.getcwd())
+            ran = subprocess.run(["fish", "-N", "-c", script], check=True, capture_output=True, text=True, env=home)
+            return {row.split("\t")[0] for row in ran.stdout.splitlines()}
+
+        self.assertTrue(set(VERBS) <= offered("standoff "))
+        self.assertEqual(offered("standoff slice b"), {"bunny.vti"})
+        self.assertEqual(offered("standoff compute bunny.obj -o b"), {"bunny.vti"})
+        self.assertTrue({"--resolution", "--sign"} <= offered("standoff compute --"))
+        self.assertEqual(offered("standoff points bunny.obj p"), {"p.csv", "part.STL"})
+        self.assertIn("winding", offered("standoff compute --sign "))
+
+    def test_the_manual_has_every_verb_and_option(self):
+        self.assertEqual(run("man", "--list").split(), VERBS)
+        page = run("man")
+        for verb in VERBS:
+            self.assertIn(f"\n.TP\n\\fB{verb}\\fR\n", page)
+            verb_page = run("man", verb)
+            self.assertTrue(verb_page.startswith(f".TH STANDOFF\\-{verb.upper()} 1 "), verb)
+            missing = [name for name in OPTIONS[verb] if "\\fB" + name.replace("-", "\\-") + "\\fR" not in verb_page]
+            self.assertEqual(missing, [], verb)
+            self.assertIn(".SH EXIT STATUS\n", verb_page)
+            self.assertIn(f"standoff {verb}".replace("-", "\\-"), verb_page.split(".SH EXAMPLES\n")[1])
+
+    def check_pages(self, *command):
+        for verb in ("", *VERBS):
+            Path("page.1").write_text(run("man", *filter(None, [verb])))
+            ran = subprocess.run([*command, "page.1"], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C.UTF-8"})
+            said = (ran.stdout if command[0] == "mandoc" else "") + ran.stderr
+            # A page has no date of its own: it is as old as the program that prints it.
+            faults = [line for line in said.splitlines() if "missing date" not in line]
+            self.assertEqual(faults, [], verb)
+
+    @needs("mandoc")
+    def test_mandoc_finds_no_fault(self):
+        self.check_pages("mandoc", "-Tlint", "-Wwarning")
+
+    @needs("groff")
+    def test_groff_finds_no_fault(self):
+        self.check_pages("groff", "-man", "-Tutf8", "-ww", "-z")
+
+    def test_misuse(self):
+        for words, message in (
+            (["completion"], "SHELL is required"),
+            (["completion", "tcsh"], "completion 'tcsh': give bash, zsh or fish"),
+            (["man", "compuet"], "'compuet' is no verb; did you mean 'compute'?"),
+            (["man", "foo"], "'foo' is no verb; see standoff man --list"),
+        ):
+            ran = subprocess.run([STANDOFF, *words], capture_output=True, text=True)
+            self.assertEqual(ran.returncode, 2)
+            self.assertIn(message, ran.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=0)
