@@ -190,4 +190,40 @@ std::string man_page(const ManualPage& page, const std::vector<ManualPage>& page
   return text + others + "\n";
 }
 
+namespace {
+
+// Text in a cell of a table.
+std::string in_cell(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (std::string_view("|*_<>`\\[]").find(c) != std::string_view::npos) safe += '\\';
+    safe += c;
+  }
+  return safe;
+}
+
+std::string row(const std::string& names, const std::string& help) {
+  return "| `" + names + "` | " + in_cell(help) + " |\n";
+}
+
+std::string table_of(const std::string& heading) { return "\n## " + heading + "\n\n| | |\n|---|---|\n"; }
+
+}  // namespace
+
+std::string markdown_page(const ManualPage& page) {
+  std::string text = "# " + page.name + "\n\n" + page.line + "\n\n```text\n" + page.examples + "```\n";
+  if (!page.arguments.empty()) text += table_of("Arguments");
+  for (const ManualArgument& argument : page.arguments)
+    text += row(argument.value.name + (argument.repeats ? "..." : ""), argument.help);
+  std::string group;
+  for (const ManualOption& option : page.options) {
+    if (option.group != group) text += table_of(option.group);
+    group = option.group;
+    std::string names;
+    for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + name;
+    text += row(names + (option.value.name.empty() ? "" : " " + option.value.name), option.help);
+  }
+  return text;
+}
+
 }  // namespace standoff::cli

@@ -48,6 +48,9 @@ std::vector<ManualPage> manual(const CLI::App& program);
 /// The page in the language of man(7); `pages` are those of manual().
 std::string man_page(const ManualPage& page, const std::vector<ManualPage>& pages);
 
+/// The same page in Markdown, for the documentation's site.
+std::string markdown_page(const ManualPage& page);
+
 /// The script that completes command lines in a shell: bash, zsh or fish.
 std::string bash_completion(const std::vector<ManualPage>& pages);
 std::string zsh_completion(const std::vector<ManualPage>& pages);

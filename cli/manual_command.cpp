@@ -26,12 +26,13 @@ constexpr const char* kCompletionExamples =
 constexpr const char* kManExamples = R"(  standoff man | man -l -                    the page of the program
   standoff man compute | man -l -            that of a verb
   standoff man --list                        the verbs that have one
+  standoff man compute --markdown            the same for a site
 )";
 
-void print_man_page(const CLI::App& program, const std::string& verb) {
+void print_page(const CLI::App& program, const std::string& verb, bool markdown) {
   const std::vector<ManualPage> pages = manual(program);
   const auto found = std::ranges::find(pages, verb, &ManualPage::name);
-  if (found != pages.end()) return print(man_page(*found, pages));
+  if (found != pages.end()) return print(markdown ? markdown_page(*found) : man_page(*found, pages));
   std::vector<std::string> verbs;
   for (const ManualPage& page : pages)
     if (!page.name.empty()) verbs.push_back(page.name);
@@ -56,11 +57,12 @@ void add_completion(CLI::App& program) {
 void add_man(CLI::App& program) {
   auto* verb = add_verb(program, "man", "print a page of the manual, for man", kManExamples);
   const auto about = std::make_shared<std::string>();
-  const auto list = std::make_shared<bool>(false);
+  const auto list = std::make_shared<bool>(false), markdown = std::make_shared<bool>(false);
   verb->add_option("VERB", *about, "a verb (default: the program)");
   verb->add_flag("--list", *list, "print the names of the verbs instead");
-  verb->callback([&program, about, list] {
-    if (!*list) return print_man_page(program, *about);
+  verb->add_flag("--markdown", *markdown, "in Markdown");
+  verb->callback([&program, about, list, markdown] {
+    if (!*list) return print_page(program, *about, *markdown);
     std::string text;
     for (const ManualPage& page : manual(program))
       if (!page.name.empty()) text += page.name + "\n";

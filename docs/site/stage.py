@@ -4,14 +4,16 @@
     stage.py FOLDER
 
 A page keeps its words. Its links to other pages lead to them, by their titles where it wrote their paths; those to files
-that are not in the site become plain text."""
+that are not in the site become plain text. STANDOFF names the program, of whose verbs there are pages."""
 
 from __future__ import annotations
 
 import json
+import os
 import posixpath
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -111,6 +113,19 @@ def other_pages(index: str, known: dict[str, str]) -> list[str]:
     ]
 
 
+def write_verbs(program: str, folder: Path) -> str:
+    """Writes a page for each verb of the program; returns the table that leads to them."""
+    ask = lambda *arguments: subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
+    folder.mkdir()
+    rows = ["| verb | what it does |", "|---|---|"]
+    verbs = ask("man", "--list").split()
+    for verb in verbs:
+        page = ask("man", verb, "--markdown")
+        (folder / f"{verb}.md").write_text(page)
+        rows.append(f"| [{verb}](verbs/{verb}.md) | {page.splitlines()[2]} |")
+    return "\n".join([*rows, "", "```{toctree}", ":hidden:", "", *(f"verbs/{verb}" for verb in verbs), "```"])
+
+
 def stage(folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     known = pages()
@@ -124,11 +139,14 @@ def stage(folder: Path) -> None:
             text = text.replace("<!-- other pages -->", "\n".join(page for page in others if page not in measured))
             if not any(page.startswith("notebooks/") for page in known.values()):
                 text = re.sub(r"```{toctree}\n:caption: Notebooks\n.*?```\n\n", "", text, flags=re.DOTALL)
+        text = (notebook if path.endswith(".ipynb") else with_links)(text, path, known)
+        if name == "verbs":
+            text = text.replace("<!-- verbs -->", write_verbs(os.environ["STANDOFF"], folder / "verbs"))
         if name == "cpp":
             text = text.replace("<!-- headers -->", headers)
         target = folder / f"{name}{Path(path).suffix}"
         target.parent.mkdir(exist_ok=True)
-        target.write_text((notebook if path.endswith(".ipynb") else with_links)(text, path, known))
+        target.write_text(text)
     (folder / "parts").mkdir()
     for path in PARTS:
         (folder / "parts" / path.replace("/", "_")).write_text(with_links((ROOT / path).read_text(), path, known))
