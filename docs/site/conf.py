@@ -22,6 +22,7 @@ version = release
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["parts"]
 language = "en"
+smartquotes_action = "qe"  # -- stays what it is: options begin so
 
 # Notebooks are shown with the outputs that they were saved with; tests run them.
 nb_execution_mode = "off"

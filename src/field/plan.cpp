@@ -141,21 +141,21 @@ double tiles_at_once(const Plan& plan) { return static_cast<double>(tile_count(p
 // choice.
 constexpr std::int64_t kCrossingBytesInWindows = std::int64_t{32} << 20;
 
-// Whether the sign is decided by a diagnosis.
-bool is_diagnosed(MeshView mesh, const ComputeOptions& options) {
-  return options.decision.empty() && needs_diagnosis(mesh, options.sign);
+// Bytes that are held while the sign is planned.
+std::int64_t planning_bytes_of(MeshView mesh, const ComputeOptions& options) {
+  return options.sign.method == SignMethod::none || !options.decision.empty() ? 0 : planning_bytes(mesh, options.sign);
 }
 
 // Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
  public:
-  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, bool diagnosed)
+  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, std::int64_t planning)
       : mesh_(mesh),
         plan_(plan),
         grid_(plan.grid),
         thickness_(plan.field_thickness),
         options_(options),
-        diagnosed_(diagnosed) {}
+        planning_(planning) {}
 
   std::string text() const {
     const std::int64_t side = largest_side();
@@ -172,7 +172,7 @@ class Advice {
                        std::min(grid.size.z, plan_.part.z)};
     const Plan plan =
         make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.in_windows ? window : Size3{});
-    return bytes_needed(plan, scan_mesh(mesh_, plan, true).counts, diagnosed_) <= memory_limit_of(options_);
+    return bytes_needed(plan, scan_mesh(mesh_, plan, true).counts, planning_) <= memory_limit_of(options_);
   }
 
   // Tries a band one sample wide.
@@ -206,36 +206,34 @@ class Advice {
   const Grid& grid_;
   double thickness_;
   const ComputeOptions& options_;
-  bool diagnosed_;
+  std::int64_t planning_;
 };
 
 }  // namespace
 
-std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, bool diagnosed) {
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, std::int64_t planning) {
   const double samples = static_cast<double>(plan.grid.sample_count());
   const double tiles = std::min(counts.tiles, tiles_at_once(plan));
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
-  // The mesh is diagnosed before the output is made. The sign of a whole grid is decided after the backend has freed
+  // The sign is planned before the output is made. The sign of a whole grid is decided after the backend has freed
   // its memory; in windows, the backend keeps it while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan, counts.brick_refs),
                      of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan, counts.crossings) : 0;
   const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
                                                              : std::max(of_backend, of_sign));
-  const double before = diagnosed ? static_cast<double>(diagnosis_bytes(plan.triangles))
-                        : plan.with_sign
-                            ? static_cast<double>(std::max(closed_bytes(plan.triangles), outward_bytes(plan.triangles)))
-                            : 0;
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  const double total = std::max(before, output + scratch + kept);
+  const double total = std::max(static_cast<double>(planning), output + scratch + kept);
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
-std::int64_t bytes_needed(const Plan& plan) { return bytes_needed(plan, ReachCounts{}, plan.with_sign); }
+std::int64_t bytes_needed(const Plan& plan) {
+  return bytes_needed(plan, ReachCounts{}, plan.with_sign ? planning_bytes(plan.triangles) : 0);
+}
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, is_diagnosed(mesh, options));
+  return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, planning_bytes_of(mesh, options));
 }
 
 std::int64_t crossing_bytes(const Plan& plan, double crossings) {
@@ -247,12 +245,12 @@ std::int64_t crossing_bytes(const Plan& plan, double crossings) {
 }
 
 void check_memory(MeshView mesh, const Plan& plan, const ReachCounts& counts, const ComputeOptions& options) {
-  const bool diagnosed = is_diagnosed(mesh, options);
-  const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, counts, diagnosed);
+  const std::int64_t planning = planning_bytes_of(mesh, options), limit = memory_limit_of(options),
+                     needed = bytes_needed(plan, counts, planning);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
               "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
-                  "; " + Advice(mesh, plan, options, diagnosed).text(),
+                  "; " + Advice(mesh, plan, options, planning).text(),
               {.bytes_needed = needed, .bytes_limit = limit});
 }
 
@@ -269,8 +267,10 @@ MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const G
   const Plan whole = plan_of(false, {});
   const ReachCounts counts = mesh ? scan_mesh(*mesh, whole, true).counts : ReachCounts{};
   const double tiles = std::min(counts.tiles, tiles_at_once(whole));
-  const bool diagnosed = mesh ? is_diagnosed(*mesh, options) : whole.with_sign;
-  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, counts, diagnosed); };
+  const std::int64_t planning = mesh              ? planning_bytes_of(*mesh, options)
+                                : whole.with_sign ? planning_bytes(triangles)
+                                                  : 0;
+  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, counts, planning); };
   return {.whole = bytes(whole),
           .dense = bytes(plan_of(true, {})),
           .slabs = bytes(plan_of(false, slab_size(grid, slab_samples))),

@@ -53,8 +53,8 @@ struct ReachCounts {
 };
 
 /// Bytes of output and scratch memory that a computation may need, at most 2^62. Dense output does not depend on tiles.
-/// `diagnosed`: whether the mesh is diagnosed before, for its sign.
-std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, bool diagnosed);
+/// `planning`: what is held before, while the sign is planned (planning_bytes of sign/plan.h).
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, std::int64_t planning);
 /// The same for any triangles: all tiles of the grid may hold band samples.
 std::int64_t bytes_needed(const Plan& plan);
 /// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).

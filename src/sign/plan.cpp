@@ -39,11 +39,14 @@ void expect_sure(const SignPlan& plan, const SignOptions& options) {
                                     "), and strict allows no doubt; repair the mesh, or allow it");
 }
 
-bool needs_diagnosis(MeshView mesh, const SignOptions& options) {
+std::int64_t planning_bytes(MeshView mesh, const SignOptions& options) {
   const SignMethod method = options.method;
-  if (!find_info(method)->by_orientation) return false;
-  if (method != SignMethod::winding && method != SignMethod::automatic) return true;
-  return options.outer || !is_closed(mesh).oriented || !(options.as_oriented || faces_outwards(mesh));
+  if (!find_info(method)->by_orientation) return closed_bytes(mesh);
+  const std::int64_t diagnosed = planning_bytes(static_cast<std::int64_t>(mesh.triangles.size()));
+  if (method != SignMethod::winding && method != SignMethod::automatic) return diagnosed;
+  if (options.outer || !is_closed(mesh).oriented) return diagnosed;
+  if (options.as_oriented) return closed_bytes(mesh);
+  return faces_outwards(mesh) ? std::max(closed_bytes(mesh), outward_bytes(mesh)) : diagnosed;
 }
 
 SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& progress) {

@@ -37,11 +37,11 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& pro
 /// by parity for one whose edges all have an even number of triangles.
 SignPlan plan_of_closed(SignMethod method);
 
-/// Whether plan_sign() would look at the mesh's edges, which takes memory: a mesh that is closed and faces outwards
-/// needs no such diagnosis. Requires a valid mesh. Runs on the threads of the calling TBB arena.
-bool needs_diagnosis(MeshView mesh, const SignOptions& options);
-/// The most memory that a diagnosis takes.
-constexpr std::int64_t diagnosis_bytes(std::int64_t triangles) { return 256 * triangles + (4 << 20); }
+/// The most bytes that plan_sign() holds for any mesh of so many triangles: those of a diagnosis.
+constexpr std::int64_t planning_bytes(std::int64_t triangles) { return 256 * triangles + (4 << 20); }
+/// The same for this mesh: one that is closed and faces outwards needs no diagnosis. Requires a valid mesh. Runs on the
+/// threads of the calling TBB arena.
+std::int64_t planning_bytes(MeshView mesh, const SignOptions& options);
 
 /// Throws Error{doubt} where the plan is not certain and the options are `strict`.
 void expect_sure(const SignPlan& plan, const SignOptions& options);

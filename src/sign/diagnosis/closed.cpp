@@ -77,13 +77,14 @@ EdgeHash hash_of_sides(const Place& a, const Place& b, const Place& c) {
   return hash_of_edge(a, b) ^ hash_of_edge(b, c) ^ hash_of_edge(c, a);
 }
 
+// A welded mesh reads each vertex six times. Where it is read once or never, its place is not worth memory.
+bool keeps_places(MeshView mesh) { return mesh.vertices.size() <= mesh.triangles.size(); }
+
 // Calls use(places) with a function that has the place of each vertex.
 template <class Use>
 auto with_places(MeshView mesh, const Use& use) {
   const std::size_t vertices = mesh.vertices.size();
-  // A welded mesh reads each vertex six times. Where it is read once or never, its place is not worth memory.
-  if (vertices > mesh.triangles.size())
-    return use([&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
+  if (!keeps_places(mesh)) return use([&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
   const auto places = std::make_unique_for_overwrite<Place[]>(vertices);
   tbb::parallel_for(TriangleRange(0, vertices, kClosedGrain), [&](const TriangleRange& range) {
     for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(mesh.vertices[v]);
@@ -92,6 +93,10 @@ auto with_places(MeshView mesh, const Use& use) {
 }
 
 }  // namespace
+
+std::int64_t closed_bytes(MeshView mesh) {
+  return keeps_places(mesh) ? static_cast<std::int64_t>(mesh.vertices.size() * sizeof(Place)) : 0;
+}
 
 Closed is_closed(MeshView mesh) {
   return with_places(mesh, [&](const auto& places) -> Closed {
@@ -253,11 +258,29 @@ bool faces_outwards(MeshView mesh) {
   return std::ranges::any_of(of_set, &ChunkSums::has_area) && std::ranges::all_of(of_set, &ChunkSums::faces_outwards);
 }
 
-std::int64_t outward_bytes(std::int64_t triangles) {
-  constexpr std::int64_t kMostParts = kOutwardChunks * kOutwardChunk;
-  // There are two numbers for each vertex, the sums of each set, and parts in vectors that double.
-  return triangles * static_cast<std::int64_t>(3 * 8 + sizeof(ChunkSums)) +
-         2 * std::min(triangles, kMostParts) * static_cast<std::int64_t>(sizeof(ChunkPart));
+std::int64_t outward_bytes(MeshView mesh) {
+  VertexSets sets = sets_of(mesh);
+  std::int64_t count = 0;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) count += sets.find(v) == v;
+  // The most parts of a chunk: runs of triangles of one set.
+  const std::size_t triangles = mesh.triangles.size(), chunks = (triangles + kOutwardChunk - 1) / kOutwardChunk;
+  const auto parts = [&](const TriangleRange& range, std::int64_t most) {
+    for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk) {
+      std::int64_t runs = 1;
+      const std::size_t begin = chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
+      for (std::size_t t = begin + 1; t < end; ++t)
+        runs += sets.find(mesh.triangles[t][0]) != sets.find(mesh.triangles[t - 1][0]);
+      most = std::max(most, runs);
+    }
+    return most;
+  };
+  const std::int64_t most_parts = tbb::parallel_reduce(TriangleRange(0, chunks, 8), std::int64_t{0}, parts,
+                                                       [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
+  // There are two numbers for each vertex, the sums of each set, and parts in vectors that double: while one grows
+  // there are up to three times as many.
+  return static_cast<std::int64_t>(mesh.vertices.size() * 2 * sizeof(std::uint32_t)) +
+         count * static_cast<std::int64_t>(sizeof(ChunkSums)) +
+         static_cast<std::int64_t>(std::min(kOutwardChunks, chunks) * 3 * sizeof(ChunkPart)) * most_parts;
 }
 
 // The same, kept. The terms are those of faces_outwards(), with an origin of their own, rounded down to multiples of a

@@ -19,8 +19,8 @@ struct Closed {
   bool unoriented = false;  ///< each edge is used an even number of times: the parity of crossings is well defined
 };
 
-/// The most that is_closed() holds.
-inline std::int64_t closed_bytes(std::int64_t triangles) { return 16 * triangles; }
+/// The most bytes that is_closed() holds.
+std::int64_t closed_bytes(MeshView mesh);
 
 /// Requires a valid mesh. Runs on the threads of the calling TBB arena.
 Closed is_closed(MeshView mesh);
@@ -91,7 +91,7 @@ class OutwardSums {
   std::int64_t unsure_ = 0, with_area_ = 0;  // sets
 };
 
-/// The most that faces_outwards() holds, for a mesh without vertices that no triangle uses.
-std::int64_t outward_bytes(std::int64_t triangles);
+/// The most bytes that faces_outwards() holds. Takes about as long.
+std::int64_t outward_bytes(MeshView mesh);
 
 }  // namespace standoff
