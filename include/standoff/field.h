@@ -35,6 +35,9 @@ struct Provenance {
 enum class Outside {
   nan,     ///< NaN, in each number of the answer
   border,  ///< what it answers at the nearest point of the grid
+  /// Where the mesh lies in the grid's box and outside is not negative, a lower bound of the distance: the length of
+  /// the hypotenuse over the way to the nearest point of the grid, and the least distance that the mesh may have there.
+  bound,
 };
 
 class TilePool;
@@ -99,11 +102,13 @@ class STANDOFF_API DistanceField {
   /// The trilinear interpolation at a point (world units). If the cells are cubic and no corner of the point's cell is
   /// clamped to the thickness, the result differs from the distance by at most (sqrt(3)/2) * spacing. Outside the grid
   /// the result is NaN, or, if asked for, that at the border: where it is not negative and the mesh lies inside the
-  /// grid's box, a lower bound of the distance, within the same error. Errors: usage (a coordinate is not a number).
+  /// grid's box, a lower bound of the distance, within the same error. Outside::bound is a larger one, and holds
+  /// without that error. Errors: usage (a coordinate is not a number).
   double interpolate(Vec3 point, Outside outside = Outside::nan) const;
   /// The gradient of the trilinear interpolation at a point (world units), by its analytic derivative; zero along axes
   /// with one sample. Outside the grid it is NaN, or the one-sided gradient at the border, which is not the gradient of
-  /// interpolate(): that is constant there along the outward axes. Errors: usage (a coordinate is not a number).
+  /// interpolate(): that is constant there along the outward axes; with Outside::bound, the gradient of the bound.
+  /// Errors: usage (a coordinate is not a number).
   Vec3 gradient(Vec3 point, Outside outside = Outside::nan) const;
   /// The same at many points, on the CPU: out[n] is the result for points[n]. Errors: usage, also if the lengths differ
   /// or `execution` is invalid; `out` is then unspecified.

@@ -159,7 +159,7 @@ void answer_at(std::span<const Vec3> points, const std::function<void(std::size_
 }
 
 Outside outside_of(const std::string& name) {
-  constexpr const char* kNames[] = {"nan", "border"};
+  constexpr const char* kNames[] = {"nan", "border", "bound"};
   return static_cast<Outside>(choice_of("outside", name, kNames));
 }
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ._errors import DeviceError
+from ._gradients import refuse_gradient, wants_gradient
 
 _CPU_DEVICES = (1, 3)  # kDLCPU, kDLCUDAHost
 
@@ -110,7 +111,12 @@ def like(source: Any) -> Callable[[np.ndarray], Any]:
 class Points:
     """Points (..., 3) that a user passed: as doubles, and how answers go back in their shape, type and library."""
 
-    def __init__(self, points: Any, what: str = "points") -> None:
+    def __init__(self, points: Any, what: str = "points", *, gradient: bool = False) -> None:
+        """With `gradient` the answers have one that may flow into a tensor of points; else such tensors are refused."""
+        if not gradient:
+            refuse_gradient(points, what)
+        self.source = points
+        self.flows = wants_gradient(points)
         found = numbers(points, what)
         self.array = doubles(found, what, "(..., 3)", last=3).reshape(-1, 3)
         self._shape = found.shape[:-1]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -12,6 +13,7 @@ from . import _core
 from ._arrays import like, numbers, to_numpy
 from ._checks import PathLike, flag, name, number, path_of, runs_on, threads_of, triple, whole_number
 from ._files import expect_file, packed, unpacked
+from ._gradients import refuse_gradient
 from ._mesh import as_mesh
 from ._options import Progress, memory_text, progress_of
 
@@ -183,6 +185,7 @@ class _Poses:
     """Poses that a user passed: (n, 12) doubles, and how answers go back in their shape and library."""
 
     def __init__(self, poses: Any, what: str) -> None:
+        refuse_gradient(poses, what)
         found = numbers(poses, what)
         if found.ndim >= 2 and found.shape[-2:] == (4, 4):
             self.shape = found.shape[:-2]
@@ -229,6 +232,7 @@ def _of_quaternions(poses: np.ndarray, what: str) -> np.ndarray:
     return np.ascontiguousarray(np.stack([*rotation, *poses[:, :3].T], axis=1))
 
 
+_UNMOVED = np.eye(4)
 _IDENTITY = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
 
 
@@ -242,16 +246,24 @@ def _one(pose: Any, what: str) -> np.ndarray:
 
 
 def _both(a: Any, b: Any) -> tuple[Any, Any]:
-    for which, body in (("a", a), ("b", b)):
-        if not isinstance(body, Body):
-            raise TypeError(f"{which}: must be a standoff.Body, not {type(body).__name__}; make one with Body(mesh)")
-    return a._body, b._body
+    return _body(a, "a"), _body(b, "b")
+
+
+def _body(given: Any, what: str) -> Any:
+    """The body of a `Body`, of a file that `Body.save` wrote, or of what `field` takes as a mesh."""
+    if isinstance(given, Body):
+        return given._body
+    if isinstance(given, (str, os.PathLike)) and os.fspath(given).lower().endswith(".body"):
+        return Body.load(given)._body
+    if given is None or isinstance(given, (bool, int, float)):
+        raise TypeError(f"{what}: must be a standoff.Body, or a mesh, not {type(given).__name__}")
+    return Body(given)._body
 
 
 def collide(
-    a: Body,
-    b: Body,
-    poses: Any,
+    a: Any,
+    b: Any,
+    poses: Any = None,
     *,
     pose_a: Any = None,
     margin: float = 0.0,
@@ -261,11 +273,13 @@ def collide(
     device: str = "auto",
     progress: Progress = None,
 ) -> Collisions:
-    """Whether two bodies intersect, for many poses of b.
+    """Whether two bodies intersect, as they lie or for many poses of b.
 
     Args:
-        a, b: the bodies.
-        poses: of b: ``(..., 4, 4)`` matrices, or ``(..., 7)``: position x y z, then a unit quaternion x y z w.
+        a, b: the bodies: each a `Body`, or the name of a file of one; or a mesh as for `field`, of which a body is made
+            for this call alone. For many calls make it once.
+        poses: of b: ``(..., 4, 4)`` matrices, or ``(..., 7)``: position x y z, then a unit quaternion x y z w. None: one
+            pose, where its mesh is.
         pose_a: of a, one pose; by default a is where its mesh is.
         margin: bodies within this distance are a hit, world units.
         containment: whether a body inside one that has an inside is a hit too.
@@ -274,11 +288,12 @@ def collide(
 
     Raises:
         UsageError: a pose that is not rigid or not finite, other arguments.
+        MeshError, InputError, FileNotFoundError: a mesh, as for `Body` and `read`.
     """
     if name(mode, "mode") not in ("exact", "certified"):
         raise ValueError(f"mode: must be 'exact' or 'certified', not {mode!r}")
     body_a, body_b = _both(a, b)
-    p = _Poses(poses, "poses")
+    p = _Poses(_UNMOVED if poses is None else poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
             body_a,
@@ -295,9 +310,9 @@ def collide(
 
 
 def distance_between(
-    a: Body,
-    b: Body,
-    poses: Any,
+    a: Any,
+    b: Any,
+    poses: Any = None,
     *,
     pose_a: Any = None,
     tolerance: float = 0.0,
@@ -306,7 +321,7 @@ def distance_between(
     threads: int = 0,
     progress: Progress = None,
 ) -> Distances:
-    """The least distance between the surfaces of two bodies, for many poses of b.
+    """The least distance between the surfaces of two bodies, as they lie or for many poses of b.
 
     Args:
         a, b, poses, pose_a: as for `collide`.
@@ -320,7 +335,7 @@ def distance_between(
         UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``.
     """
     body_a, body_b = _both(a, b)
-    p = _Poses(poses, "poses")
+    p = _Poses(_UNMOVED if poses is None else poses, "poses")
     with progress_of(progress, "distance") as report:
         lower, upper, point_a, point_b, triangle_a, triangle_b, finished = _core.distance(
             body_a,
@@ -338,8 +353,8 @@ def distance_between(
 
 
 def sweep(
-    a: Body,
-    b: Body,
+    a: Any,
+    b: Any,
     start: Any,
     end: Any,
     *,
@@ -387,8 +402,8 @@ def sweep(
 
 
 def sweep_screw(
-    a: Body,
-    b: Body,
+    a: Any,
+    b: Any,
     start: Any,
     *,
     axis: Any,
@@ -437,8 +452,8 @@ def sweep_screw(
 
 
 def sweep_path(
-    a: Body,
-    b: Body,
+    a: Any,
+    b: Any,
     poses: Any,
     *,
     pose_a: Any = None,
@@ -482,12 +497,12 @@ def _sweeps(
     return Sweeps(*map(give, (hit == 1, time, point, normal, *triangles, finished == 1)))
 
 
-def contacts(a: Body, b: Body, pose: Any, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:
+def contacts(a: Any, b: Any, pose: Any = None, *, pose_a: Any = None, most: int = 100, margin: float = 0.0) -> Contacts:
     """The pairs of triangles of two bodies that intersect or are within the margin.
 
     Args:
         a, b, pose_a: as for `collide`.
-        pose: of b, one pose.
+        pose: of b, one pose; None: where its mesh is.
         most: the largest number of contacts; if there are more, the result is spread over the contact area.
         margin: world units.
     """

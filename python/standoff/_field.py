@@ -12,6 +12,7 @@ from . import _core
 from ._arrays import Points, dlpack_of, numbers
 from ._checks import PathLike, flag, name, number, path_of, text, threads_of, whole_number
 from ._files import expect_file, packed
+from ._gradients import differentiable
 from ._options import Grid, Progress, Sign, SignReport, memory_limit_of, memory_text
 from ._page import Page
 from ._picture import Picture
@@ -34,8 +35,9 @@ class DistanceField:
     _sign: SignReport | None
     _computation: dict[str, Any] | None
 
-    def __init__(self) -> None:
-        raise TypeError("make a DistanceField with standoff.field, standoff.load or DistanceField.from_numpy")
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        what = "of values and a grid with DistanceField.from_numpy(values, grid)"
+        raise TypeError(f"make a DistanceField {what}, of a mesh with standoff.field, of a file with standoff.load")
 
     @classmethod
     def _make(
@@ -245,14 +247,28 @@ class DistanceField:
         """The trilinear interpolation at points ``(..., 3)``, world units.
 
         Args:
-            outside: what points outside of the grid get, of which the field knows nothing: ``"nan"``, or with
-                ``"border"`` the value at the nearest point of the grid. That is a lower bound of the distance if it is
-                not negative and the mesh lies in the grid's box, within the error of interpolation.
+            outside: what points outside of the grid get, of which the field knows nothing: ``"nan"``; with
+                ``"border"`` the value at the nearest point of the grid; with ``"bound"`` a lower bound of the distance,
+                which grows with the way to the grid, if the mesh lies in the grid's box and values outside are not
+                negative.
+
         Returns:
-            Values ``(...)``: float32 for float32 points, else float64; a torch tensor for a tensor.
+            Values ``(...)``: float32 for float32 points, else float64; a torch tensor for a tensor. Gradients flow into
+            one that requires them.
         """
-        p = Points(points)
-        return p.give(self._native().values(p.array, name(outside, "outside"), threads_of(threads)))
+        p = Points(points, gradient=True)
+        values = p.give(self._native().values(p.array, name(outside, "outside"), threads_of(threads)))
+        if not p.flows:
+            return values
+        return differentiable(values, points, p.give(self._slopes(p.array, outside, threads)))
+
+    def _slopes(self, points: np.ndarray, outside: str, threads: int) -> np.ndarray:
+        """The gradient of the values: of those at the border there is none along the axes on which a point is outside."""
+        slopes = self._native().gradients(points, name(outside, "outside"), threads_of(threads))
+        if outside == "border":
+            low, high = self._grid.bounds
+            slopes[(points < low) | (points > high)] = 0
+        return slopes
 
     def gradient(self, points: Any, *, outside: str = "nan", threads: int = 0) -> Any:
         """The gradient of the interpolation at points ``(..., 3)``, as ``(..., 3)``; `outside` as for values."""
@@ -336,8 +352,11 @@ class DistanceField:
         unit: str = "",
         up: str = "z",
         height: int = 560,
+        browser: bool | None = None,
     ) -> Page:
         """A page in which slices, isosurfaces and samples of the field can be looked at; notebooks show it.
+
+        A script opens it in the browser.
 
         Args:
             others: other fields; the first is compared with this one.
@@ -346,11 +365,13 @@ class DistanceField:
             unit: what the legend calls the unit of lengths: ``"mm"``.
             up: the axis that points up: x, y or z.
             height: of the frame in a notebook, pixels.
+            browser: whether to open the page in a browser; None: where no notebook runs.
         """
         from ._mesh import as_mesh
 
         meshes = [] if mesh is None else [as_mesh(mesh)]
-        return Page.showing(meshes, [self, *others], title=title, unit=unit, up=up, height=height)
+        page = Page.showing(meshes, [self, *others], title=title, unit=unit, up=up, height=height)
+        return page._shown(browser)
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())

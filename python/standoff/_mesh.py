@@ -15,12 +15,15 @@ from ._arrays import numbers, to_numpy
 from ._checks import PathLike, flag, name, number, path_of, triple, whole_number
 from ._errors import MeshError
 from ._files import expect_file
+from ._gradients import wants_gradient
 from ._options import Box
 
 if TYPE_CHECKING:
     from ._field import DistanceField
+    from ._options import Progress, Sign
     from ._page import Page
     from ._picture import Picture
+    from ._report import Report
 
 _VERTEX_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
 _FACE_TYPES = tuple(np.dtype(t) for t in (np.uint32, np.int32, np.uint64, np.int64))
@@ -34,14 +37,15 @@ class Mesh:
     them while a function works on them.
 
     Args:
-        vertices: ``(n, 3)`` coordinates, world units.
+        vertices: ``(n, 3)`` coordinates, world units. Gradients of `distance` and `MeshQuery.distance` flow into a tensor
+            of torch that requires them.
         faces: ``(m, 3)`` indices into the vertices.
 
     Raises:
         TypeError, ValueError: types or shapes that are no mesh's.
     """
 
-    __slots__ = ("faces", "notes", "vertices")
+    __slots__ = ("_source", "faces", "notes", "vertices")
 
     vertices: np.ndarray
     """``(n, 3)`` float32 or float64."""
@@ -52,6 +56,8 @@ class Mesh:
 
     def __init__(self, vertices: Any, faces: Any, *, notes: tuple[str, ...] = ()) -> None:
         self.vertices = _vertices(vertices)
+        # The tensor of the vertices, and the array that it gave: the attribute may be set to another one.
+        self._source = (vertices, self.vertices) if wants_gradient(vertices) else None
         self.faces = _faces(faces)
         self.notes = tuple(notes)
 
@@ -64,6 +70,57 @@ class Mesh:
         """
         low, high = _core.bounds(self.vertices, self.faces)
         return triple(low, "bounds"), triple(high, "bounds")
+
+    @property
+    def _tensor(self) -> Any:
+        """The tensor into which gradients of the vertices flow, or None."""
+        return self._source[0] if self._source is not None and self._source[1] is self.vertices else None
+
+    # What trimesh's users look for. Each asks anew, for the arrays may have changed: keep what you need.
+
+    @property
+    def area(self) -> float:
+        """The area of all triangles, world units squared. Raises: MeshError, as `report`."""
+        return self._report().area
+
+    @property
+    def volume(self) -> float:
+        """The volume, as `report` has it: holes are closed, cavities are negative. Raises: MeshError."""
+        return self._report().volume
+
+    @property
+    def is_watertight(self) -> bool:
+        """Whether the mesh has no boundary once it is oriented: ``report(mesh).closed``. Raises: MeshError."""
+        return self._report().closed
+
+    def contains(self, points: Any, *, sign: str | Sign = "auto", threads: int = 0, progress: Progress = None) -> Any:
+        """Whether each point ``(..., 3)`` is inside; for many calls ask a `MeshQuery`, which is prepared once.
+
+        Args:
+            points, threads, progress: as for `distance`.
+            sign: how inside is decided, as for `field`.
+
+        Returns:
+            ``(...)`` bool. A point on the surface is not inside.
+
+        Raises:
+            MeshError: nothing decides what is inside.
+            UsageError, ValueError, TypeError: as `distance`.
+        """
+        from ._points import MeshQuery
+
+        return MeshQuery(self, sign=sign, threads=threads).contains(points, threads=threads, progress=progress)
+
+    def to_trimesh(self) -> Any:
+        """The same as a ``trimesh.Trimesh``, of which nothing is merged or removed. Raises: ImportError."""
+        import trimesh
+
+        return trimesh.Trimesh(self.vertices, self.faces, process=False)
+
+    def _report(self) -> Report:
+        from ._report import report
+
+        return report(self, most_components=0, most_intersections=0)
 
     def save(self, path: PathLike, *, overwrite: bool = True) -> None:
         """Writes the mesh in the format of the extension; the file appears whole or not at all.
@@ -85,8 +142,18 @@ class Mesh:
         above = name(up, "up")
         return Picture.drawn(lambda path: _core.write_picture(self.vertices, self.faces, path, *size, *view, above))
 
-    def show(self, *fields: DistanceField, title: str = "", unit: str = "", up: str = "z", height: int = 560) -> Page:
+    def show(
+        self,
+        *fields: DistanceField,
+        title: str = "",
+        unit: str = "",
+        up: str = "z",
+        height: int = 560,
+        browser: bool | None = None,
+    ) -> Page:
         """A page in which the mesh, with fields if any are given, can be turned and cut; notebooks show it.
+
+        A script opens it in the browser.
 
         Args:
             fields: shown with the mesh; two are compared.
@@ -94,10 +161,12 @@ class Mesh:
             unit: what the legend calls the unit of lengths: ``"mm"``.
             up: the axis that points up: x, y or z.
             height: of the frame in a notebook, pixels.
+            browser: whether to open the page in a browser; None: where no notebook runs.
         """
         from ._page import Page
 
-        return Page.showing([self], list(fields), title=title, unit=unit, up=up, height=height)
+        page = Page.showing([self], list(fields), title=title, unit=unit, up=up, height=height)
+        return page._shown(browser)
 
     def __repr__(self) -> str:
         return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"

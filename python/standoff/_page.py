@@ -3,20 +3,31 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _core
-from ._checks import PathLike, name, path_of, whole_number
+from ._checks import PathLike, flag, name, path_of, whole_number
 
 if TYPE_CHECKING:
     from ._field import DistanceField
     from ._mesh import Mesh
 
 
+def _in_notebook() -> bool:
+    """Whether a kernel runs this, whose front end shows what a cell returns."""
+    interactive = sys.modules.get("IPython")
+    shell = interactive.get_ipython() if interactive is not None else None
+    return getattr(shell, "kernel", None) is not None
+
+
 class Page:
     """A page that shows meshes and fields: one HTML file, which asks the network for nothing.
 
-    Notebooks show it in a frame; ``save`` writes it, ``bytes(page)`` is the file's content.
+    Notebooks show it in a frame; ``open`` shows it in the browser, ``save`` writes it, ``bytes(page)`` is the file's
+    content.
     """
 
     def __init__(self, html: bytes, height: int = 560) -> None:
@@ -46,6 +57,26 @@ class Page:
             name(up, "up"),
         )
         return cls(html, rows)
+
+    def open(self) -> bool:
+        """Opens the page in the browser, out of a file in the folder of temporary files; says whether there is one.
+
+        On Linux and without a display nothing is opened, unless the environment variable BROWSER names a browser.
+        """
+        if sys.platform.startswith("linux") and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))):
+            return False  # a browser of text would take the terminal
+        import tempfile
+        import webbrowser
+
+        with tempfile.NamedTemporaryFile(prefix="standoff-", suffix=".html", delete=False) as file:
+            file.write(self._html)
+        return webbrowser.open(Path(file.name).as_uri())
+
+    def _shown(self, browser: bool | None) -> Page:
+        """The page itself, opened in the browser if that is asked for; None: where no notebook shows it."""
+        if not _in_notebook() if browser is None else flag(browser, "browser"):
+            self.open()
+        return self
 
     def save(self, path: PathLike) -> None:
         """Writes the page as an HTML file."""

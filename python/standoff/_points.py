@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, replace
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -12,7 +13,9 @@ from . import _core
 from ._arrays import Points
 from ._bodies import Body
 from ._checks import PathLike, flag, path_of, runs_on, threads_of
+from ._errors import MeshError
 from ._files import expect_file, packed, unpacked
+from ._gradients import differentiable, tensor_of, wants_gradient
 from ._mesh import Mesh, as_mesh
 from ._options import Progress, Sign, SignReport, memory_text, progress_of, sign_report
 
@@ -25,7 +28,7 @@ class ClosestPoints:
     """The nearest point of a mesh's surface for each query point. Arrays have the shape of the points asked for."""
 
     distance: Any
-    """``(...)``: world units, negative inside if there is a sign."""
+    """``(...)``: world units, negative inside if there is a sign. Gradients of torch flow through it, and it alone."""
     point: Any
     """``(..., 3)``: on the surface."""
     triangle: Any
@@ -57,10 +60,12 @@ class MeshQuery:
 
     _query: _core.Query
     _sign: SignReport
+    _vertices: Any = None  # the tensor that the mesh was made of, if gradients flow into it
 
     def __init__(self, mesh: Any, *, sign: str | Sign | None = "auto", threads: int = 0) -> None:
         found = as_mesh(mesh)
         asked = Sign.of(sign)
+        self._vertices = found._tensor
         self._query = _core.build_query(found.vertices, found.faces, asked, threads_of(threads))
         self._sign = sign_report(self._query.sign, asked, stacklevel=2)
 
@@ -98,7 +103,12 @@ class MeshQuery:
         return self._query.memory_bytes
 
     def distance(self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None) -> Any:
-        """The distance of each point ``(..., 3)``, world units: ``(...)``, negative inside if there is a sign."""
+        """The distance of each point ``(..., 3)``, world units: ``(...)``, negative inside if there is a sign.
+
+        Gradients flow into tensors of torch: the points, and the vertices that the mesh was made of.
+        """
+        if wants_gradient(points) or self._flows_to_vertices():
+            return self.closest(points, threads=threads, device=device, progress=progress).distance
         p = Points(points)
         with progress_of(progress, "distance") as report:
             return p.give(self._query.distances(p.array, *runs_on(threads, device), report))
@@ -107,13 +117,38 @@ class MeshQuery:
         self, points: Any, *, threads: int = 0, device: str = "auto", progress: Progress = None
     ) -> ClosestPoints:
         """The closest point of the surface for each point ``(..., 3)``, with its triangle and barycentrics."""
-        p = Points(points)
+        if self._flows_to_vertices() and type(points).__module__.partition(".")[0] != "torch":
+            points = tensor_of(points)
+        p = Points(points, gradient=True)
         with progress_of(progress, "closest") as report:
             distance, point, triangle, feature, barycentric, gradient = self._query.closest(
                 p.array, *runs_on(threads, device), report
             )
         triangle = triangle.astype(np.int64)
-        return ClosestPoints(*map(p.give, (distance, point, triangle, feature, barycentric, gradient)))
+        found = ClosestPoints(*map(p.give, (distance, point, triangle, feature, barycentric, gradient)))
+        if self._flows_to_vertices():
+            corners = self._query.mesh()[1][triangle]
+            flowing = differentiable(found.distance, points, found.gradient, self._vertices, corners, found.barycentric)
+        elif p.flows:
+            flowing = differentiable(found.distance, points, found.gradient)
+        else:
+            return found
+        return replace(found, distance=flowing)
+
+    def _flows_to_vertices(self) -> bool:
+        return wants_gradient(self._vertices)
+
+    def contains(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
+        """Whether each point ``(..., 3)`` is inside: ``(...)`` bool. A point on the surface is not.
+
+        Raises:
+            MeshError: the query has no sign, so that nothing is inside.
+        """
+        if not self.signed:
+            raise MeshError(f"contains: the query has no sign: {self._sign.why or 'it was built with sign=None'}")
+        p = Points(points)
+        with progress_of(progress, "contains") as report:
+            return p.give(self._query.distances(p.array, threads_of(threads), "auto", report) < 0)
 
     def winding_number(self, points: Any, *, threads: int = 0, progress: Progress = None) -> Any:
         """The generalised winding number of the mesh at each point ``(..., 3)``; whole if the mesh is closed.
@@ -191,6 +226,8 @@ def distance(
 
     Returns:
         ``(...)`` distances, float32 for float32 points, else float64, as a torch tensor for a tensor; or `ClosestPoints`.
+        Gradients of torch flow from the distances into points, and into vertices ``mesh = (vertices, faces)``, that
+        require them: that of a point is the unit vector from the closest point, times the sign.
 
     Raises:
         UsageError: a point that is not finite. Others as `field`.
@@ -199,8 +236,10 @@ def distance(
         query = mesh
         if sign != "auto":
             raise ValueError("sign: a MeshQuery has its sign already; leave it out, or pass the mesh")
-    elif isinstance(mesh, Body) or isinstance(points, Body):
-        raise TypeError("mesh: the distance of two bodies is standoff.distance_between(a, b, poses)")
+    elif isinstance(mesh, Body) or isinstance(points, (Body, Mesh, str, os.PathLike)):
+        raise TypeError(
+            "points: must be points; the distance of two bodies or meshes is standoff.distance_between(a, b)"
+        )
     else:
         query = MeshQuery(mesh, sign=sign, threads=threads)
     ask = query.closest if flag(closest, "closest") else query.distance

@@ -101,35 +101,71 @@ class Report:
     """One sentence."""
 
     def __str__(self) -> str:
-        def counts(**named: int) -> str:
-            return ", ".join(f"{n:,} {name.replace('_', ' ')}" for name, n in named.items() if n) or "none"
-
+        """What ``standoff info`` says, in its words."""
         low, high = self.bounds
-        size = " x ".join(f"{b - a:.5g}" for a, b in zip(low, high))
-        closed = (
-            "yes" if self.closed else f"no: {self.boundary_edges:,} boundary edges in {self.boundary_loops:,} loops"
+        defects = _listed(
+            degenerate=self.degenerate, duplicate=self.duplicate, nonmanifold_edges=self.nonmanifold_edges
         )
-        if not self.intersecting_pairs:
-            pairs = "none" if self.intersections_known else "none found, not all were looked for"
-        else:
-            pairs = f"{'' if self.intersections_known else 'at least '}{self.intersecting_pairs:,} pairs of triangles"
-        rows = {
-            "triangles": f"{self.triangles:,} over {self.positions:,} positions",
-            "extent": size,
-            "area": f"{self.area:.6g}",
-            "volume": f"{self.volume:.6g}",
-            "closed": closed,
-            "orientation": counts(
-                inconsistent_edges=self.inconsistent_edges, flipped=self.flipped, left_out=self.left_out
-            ),
-            "defects": counts(
-                degenerate=self.degenerate, duplicate=self.duplicate, nonmanifold_edges=self.nonmanifold_edges
-            ),
-            "intersections": pairs,
-            "components": f"{self.component_count:,}",
-            "sign": f"{self.sign}{'' if self.sure else ', not certain'}: {self.why}",
-        }
-        return "\n".join(f"{name:<14}{text}" for name, text in rows.items())
+        rows = [
+            ("triangles", f"{self.triangles:,} over {_counted(self.positions, 'position')}"),
+            ("from", _point(low)),
+            ("to", _point(high)),
+            ("extent", _point([b - a for a, b in zip(low, high)])),
+            ("area", f"{self.area:.6g}"),
+            ("volume", f"{self.volume:.6g}"),
+            ("closed", self._closed()),
+            ("orientation", self._orientation()),
+            ("defects", (defects or "none") + ("; two-sided" if self.two_sided else "")),
+            ("intersections", self._intersections()),
+            ("parts", self._parts()),
+            ("sign", f"{self.sign}{'' if self.sure else ', not certain'}: {self.why}"),
+        ]
+        return "\n".join(f"{name:<14}{text}" for name, text in rows)
+
+    def _closed(self) -> str:
+        if self.closed or self.triangles == 0:
+            return "yes" if self.closed else "no"
+        holes = f"{_counted(self.boundary_edges, 'boundary edge')} in {_counted(self.boundary_loops, 'loop')}"
+        samples = f" ({self.largest_hole_in_samples:.6g} samples)" if self.largest_hole_in_samples > 0 else ""
+        share = f"{100 * self.cap_share:.2g}" if self.cap_share < 0.0995 else f"{100 * self.cap_share:.0f}"
+        return (
+            f"no: {holes}, the largest {self.largest_hole:.6g} across{samples}; closing them takes {share} % of the "
+            f"area, openness {self.openness:.6g}"
+        )
+
+    def _orientation(self) -> str:
+        edges = self.inconsistent_edges
+        text = _counted(edges, "inconsistent edge") if edges else "consistent"
+        done = _listed(flipped=self.flipped, left_out=self.left_out)
+        if done:
+            text += f"; for the sign: {done}"
+        if self.unorientable:
+            text += f"; {self.unorientable:,} {'patch has' if self.unorientable == 1 else 'patches have'} but one side"
+        return text
+
+    def _intersections(self) -> str:
+        pairs = f"{_counted(self.intersecting_pairs, 'pair')} of triangles"
+        if self.intersections_known:
+            return pairs if self.intersecting_pairs else "none"
+        return f"at least {pairs}" if self.intersecting_pairs else "none found, not all were looked for"
+
+    def _parts(self) -> str:
+        text = f"{_counted(self.component_count, 'component')}, {self.patches:,} {'patch' if self.patches == 1 else 'patches'}"
+        if self.nesting_known:
+            text += f", nested to depth {self.deepest}"
+        return text + (f", winding numbers {self.least_winding} to {self.most_winding}" if self.closed else "")
+
+
+def _listed(**counts: int) -> str:
+    return ", ".join(f"{count:,} {name.replace('_', ' ')}" for name, count in counts.items() if count)
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
+
+
+def _point(point: Any) -> str:
+    return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
 
 
 def report(

@@ -18,6 +18,7 @@ from ._arrays import Points
 from ._checks import triple, whole_number
 from ._errors import UsageError
 from ._field import DistanceField
+from ._gradients import differentiable, refuse_gradient, wants_gradient
 from ._options import Grid, memory_limit_of
 from ._targets import Target, Triple
 
@@ -222,17 +223,22 @@ class StoredField:
 
         Args:
             points: ``(..., 3)``, world units.
-            outside: ``"nan"`` or ``"border"``, what points beyond the grid get.
+            outside: ``"nan"``, ``"border"`` or ``"bound"``, what points beyond the grid get.
             threads: 0 for all.
         """
-        return self._ask(points, lambda block, some: block(some, outside=outside, threads=threads), ())
+        values = self._ask(points, lambda block, some: block(some, outside=outside, threads=threads), ())
+        if not wants_gradient(points):
+            return values
+        slopes = self._ask(points, lambda block, some: block._slopes(some, outside, threads), (3,))
+        return differentiable(values, points, slopes)
 
     def gradient(self, points: Any, *, outside: str = "nan", threads: int = 0) -> Any:
         """The gradient of the values between samples, ``(..., 3)``, as `DistanceField.gradient`."""
+        refuse_gradient(points, "points")
         return self._ask(points, lambda block, some: block.gradient(some, outside=outside, threads=threads), (3,))
 
     def _ask(self, points: Any, ask: Any, more: tuple[int, ...]) -> Any:
-        given = Points(points)
+        given = Points(points, gradient=True)
         rows = given.array.reshape(-1, 3)
         answers = np.empty((len(rows), *more))
         with np.errstate(invalid="ignore"):

@@ -23,6 +23,12 @@ def program() -> str:
     return found
 
 
+@pytest.fixture(autouse=True)
+def no_browser(monkeypatch):
+    """show() opens no browser while tests run."""
+    monkeypatch.setattr("webbrowser.open", lambda *_, **__: False)
+
+
 @pytest.fixture(scope="session")
 def bunny_path() -> str:
     """A mesh of Debian's glmark2-data, which script/bootstrap installs."""

@@ -180,3 +180,16 @@ def test_errors_can_be_pickled():
         so.field((shapes.cube()[0], np.array([[0, 1, 9]])))
     again = pickle.loads(pickle.dumps(caught.value))
     assert type(again) is so.MeshError and str(again) == str(caught.value) and again.triangle == 0
+
+
+def test_a_field_is_made_by_a_function():
+    values = np.zeros((4, 4, 4), np.float32)
+    for make in (
+        lambda: so.DistanceField(values, so.Grid((4, 4, 4), (0, 0, 0), (1, 1, 1))),
+        lambda: so.DistanceField(),
+        lambda: so.DistanceField(grid=1),
+    ):
+        with pytest.raises(
+            TypeError, match=r"DistanceField\.from_numpy\(values, grid\).*standoff\.field.*standoff\.load"
+        ):
+            make()

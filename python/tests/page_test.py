@@ -3,6 +3,11 @@
 
 import html
 import math
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from urllib.parse import urlparse
+from urllib.request import url2pathname
 
 import pytest
 import shapes
@@ -22,6 +27,33 @@ def test_pages(tmp_path):
     assert b"<title>a sphere</title>" in bytes(pages[1]) and b'"unit":"mm"' in bytes(pages[1])
     assert bytes(field.show()) == bytes(pages[0])
     assert repr(pages[0]) == f"<standoff.Page: {len(bytes(pages[0])):,} bytes>"
+
+
+def test_scripts_open_the_browser(monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    monkeypatch.setenv("BROWSER", "true")
+    mesh = so.Mesh(*shapes.cube())
+    pages = [mesh.show(), so.field(mesh, resolution=12).show()]
+    for page, address in zip(pages, opened, strict=True):
+        path = Path(url2pathname(urlparse(address).path))
+        assert path.suffix == ".html" and path.read_bytes() == bytes(page)
+        path.unlink()
+    assert isinstance(mesh.show(browser=False), so.Page) and len(opened) == 2
+    with pytest.raises(TypeError, match="browser: must be True or False"):
+        mesh.show(browser=1)
+    # A notebook shows what a cell returns; with a terminal alone there is no browser to open.
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=1)))
+    mesh.show()
+    assert len(opened) == 2
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: None))
+    mesh.show()
+    assert len(opened) == 3
+    Path(url2pathname(urlparse(opened[2]).path)).unlink()
+    for name in ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    assert mesh.show(browser=False).open() is False and len(opened) == 3
 
 
 def test_notebooks_show_a_frame():

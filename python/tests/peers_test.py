@@ -44,6 +44,19 @@ def test_trimesh_scenes_and_back():
     assert again.volume == pytest.approx(2, rel=0.1)
 
 
+def test_trimesh_of_a_mesh():
+    ours = so.Mesh(*shapes.sphere(8))
+    theirs = ours.to_trimesh()
+    np.testing.assert_array_equal(theirs.vertices, ours.vertices)
+    np.testing.assert_array_equal(theirs.faces, ours.faces)
+    assert (theirs.area, theirs.volume, theirs.is_watertight) == (
+        pytest.approx(ours.area),
+        pytest.approx(ours.volume),
+        ours.is_watertight,
+    )
+    np.testing.assert_array_equal(so.distance(theirs, POINTS), so.distance(ours, POINTS))
+
+
 def test_trimesh_closest_points():
     mesh = trimesh.creation.icosphere(2)
     ours = so.distance(mesh, POINTS, sign=None, closest=True)

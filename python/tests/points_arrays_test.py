@@ -134,8 +134,11 @@ def test_interpolation_between_samples():
     border = [[high[0], 0, 0], [0, low[1], 0]]
     np.testing.assert_array_equal(FIELD(beyond, outside="border"), FIELD(border))
     np.testing.assert_array_equal(FIELD.gradient(beyond, outside="border"), FIELD.gradient(border))
+    bound, distance = FIELD(beyond, outside="bound"), so.distance(shapes.cube(), beyond)
+    assert (bound <= distance).all() and (bound >= 0.8 * distance).all()
+    np.testing.assert_array_equal(FIELD(border, outside="bound"), FIELD(border))
     assert np.isfinite(FIELD(FIELD.grid.points().astype(np.float32))).all()  # whose border is rounded
-    with pytest.raises(ValueError, match="outside: .*nearest.*nan.*border"):
+    with pytest.raises(ValueError, match="outside: .*nearest.*nan.*border.*bound"):
         FIELD(beyond, outside="nearest")
     step = 1e-4
     inner = points[(np.abs(part - 0.5) < 0.4).all(axis=1)]

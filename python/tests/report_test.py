@@ -34,6 +34,30 @@ def test_a_cube():
         report.triangles = 3
 
 
+@pytest.mark.parametrize("name", ["cube", "opened", "flipped", "twice", "nested", "crossing", "sheet"])
+def test_reports_say_what_the_program_says(name, tmp_path, program):
+    vertices, faces = shapes.cube()
+    flipped = faces.copy()
+    flipped[3] = flipped[3][::-1]
+    mesh = {
+        "cube": (vertices, faces),
+        "opened": (vertices, faces[2:]),
+        "flipped": (vertices, flipped),
+        "twice": (vertices, np.concatenate([faces, faces[:1], [[0, 0, 1]]])),
+        "nested": joined(shapes.cube(), shapes.cube(0.5)),
+        "crossing": joined(shapes.cube(), shapes.cube(1, (0.4, 0.3, 0.2))),
+        "sheet": shapes.sheet(),
+    }[name]
+    so.Mesh(*mesh).save(tmp_path / "mesh.obj")
+    said = subprocess.run([program, "info", tmp_path / "mesh.obj"], capture_output=True, text=True, check=True).stdout
+    rows = {line[:14].strip(): line[14:] for line in said.splitlines() if not line.startswith(" ")}
+    ours = {line[:14].strip(): line[14:] for line in str(so.report(tmp_path / "mesh.obj")).splitlines()}
+    assert ours.keys() - rows.keys() == set()
+    assert {"orientation", "defects", "intersections", "parts", "sign"} <= ours.keys()
+    for key in ours.keys() - {"triangles"}:  # with the positions, which the program has with the vertices
+        assert ours[key] == rows[key]
+
+
 def test_what_is_wrong_with_a_mesh():
     vertices, faces = shapes.cube()
     opened = so.report((vertices, faces[2:]))

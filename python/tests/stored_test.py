@@ -98,7 +98,7 @@ def test_values_between_samples(stored, whole):
     points = random.uniform(np.array(low) - 0.1, np.array(high) + 0.1, (3000, 3))
     points[:8] = list(itertools.product(*zip(low, high)))  # the corners
     points[8:200] = whole.grid.points()[random.integers(200, size=192), 63:66][:, 0, 64]  # where blocks meet
-    for outside in ("nan", "border"):
+    for outside in ("nan", "border", "bound"):
         np.testing.assert_array_equal(stored(points, outside=outside), whole(points, outside=outside))
         np.testing.assert_array_equal(stored.gradient(points, outside=outside), whole.gradient(points, outside=outside))
     assert stored(points.reshape(30, 100, 3)).shape == (30, 100)

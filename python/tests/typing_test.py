@@ -15,7 +15,7 @@ so.field("x.stl", resolutoin=3)
 so.field("x.stl", resolution="3")
 so.read(3)
 so.distance("x.stl", [[0, 0, 0]], sign=None, closest=True).nearest
-so.collide("a", "b", None)
+so.collide("a", "b", margin="1")
 so.Sign("sideways")
 so.surface(so.load("x.vdb"), method="cubes").faces.save()
 so.fields(["x.stl"]).field

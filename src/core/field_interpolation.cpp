@@ -37,9 +37,31 @@ bool is_on_axis(double point, const GridAxis& axis) {
   return at >= first - kOnBorder && at <= first + static_cast<double>(axis.size - 1) + kOnBorder;
 }
 
-bool answers_at(const Grid& g, Vec3 p, Outside outside) {
-  return outside == Outside::border ||
-         (is_on_axis(p.x, axis_of(g, 0)) && is_on_axis(p.y, axis_of(g, 1)) && is_on_axis(p.z, axis_of(g, 2)));
+bool is_on_grid(const Grid& g, Vec3 p) {
+  return is_on_axis(p.x, axis_of(g, 0)) && is_on_axis(p.y, axis_of(g, 1)) && is_on_axis(p.z, axis_of(g, 2));
+}
+
+bool answers_at(const Grid& g, Vec3 p, Outside outside) { return outside != Outside::nan || is_on_grid(g, p); }
+
+// Of a point p outside the grid's box, where q is the nearest point of the box: a mesh in the box is at least
+// sqrt(|p - q|^2 + d^2) away, where d is its distance from q, for the angle at q is never acute. The interpolation
+// exceeds d by at most half the diagonal of a cell: a sample's value exceeds d by no more than its distance from q, and
+// the mean square of that, weighted as the samples are, is at most a quarter of the diagonal's.
+struct Bound {
+  Vec3 way;      // from q to p
+  double least;  // of d
+  double value() const { return std::hypot(length(way), least); }
+};
+
+Bound bound_at(const DistanceField& field, Vec3 p, double interpolated) {
+  const Grid& g = field.grid();
+  const Box box = g.bounds();
+  Vec3 q, diagonal;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    q[axis] = std::clamp(p[axis], box.min[axis], box.max[axis]);
+    diagonal[axis] = g.size[axis] > 1 ? g.spacing[axis] : 0;
+  }
+  return {p - q, std::max(0.0, interpolated - length(diagonal) / 2)};
 }
 
 AxisCell axis_cell(double point, const GridAxis& axis) {
@@ -116,7 +138,9 @@ double DistanceField::interpolate(Vec3 point, Outside outside) const {
   const CellOfPoint cell = cell_at(*this, point);
   const auto& c = cell.corner;
   const auto row = [&](int n) { return mix(c[n], c[n + 1], cell.x.t); };
-  return mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
+  const double value = mix(mix(row(0), row(2), cell.y.t), mix(row(4), row(6), cell.y.t), cell.z.t);
+  if (outside != Outside::bound || is_on_grid(grid_, point)) return value;
+  return bound_at(*this, point, value).value();
 }
 
 Vec3 DistanceField::gradient(Vec3 point, Outside outside) const {
@@ -130,7 +154,15 @@ Vec3 DistanceField::gradient(Vec3 point, Outside outside) const {
     const auto difference = [&](int n) { return c[n + step] == c[n] ? 0.0 : c[n + step] - c[n]; };
     return mix(mix(difference(0), difference(u), tu), mix(difference(v), difference(u + v), tu), tv);
   };
-  return Vec3{slope(1, 2, ty, 4, tz), slope(2, 1, tx, 4, tz), slope(4, 1, tx, 2, ty)} / grid_.spacing;
+  const Vec3 inside = Vec3{slope(1, 2, ty, 4, tz), slope(2, 1, tx, 4, tz), slope(4, 1, tx, 2, ty)} / grid_.spacing;
+  if (outside != Outside::bound || is_on_grid(grid_, point)) return inside;
+  const Bound bound = bound_at(*this, point, interpolate(point, Outside::border));
+  if (std::isinf(bound.least)) return inside;
+  // The nearest point of the grid stays where it is along the axes on which the point is outside.
+  Vec3 slope_of_bound;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    slope_of_bound[axis] = bound.way[axis] != 0 ? bound.way[axis] : bound.least * inside[axis];
+  return slope_of_bound * (1 / bound.value());
 }
 
 }  // namespace standoff

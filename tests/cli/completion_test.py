@@ -18,7 +18,9 @@ def run(*arguments):
 
 
 VERBS = re.findall(r"^  (\w+) ", run("help").split("\nVerbs:\n")[1].split("\n\n")[0], re.MULTILINE)
-OPTIONS = {verb: re.findall(r"(?:^  |,)(--?[\w-]+)", run("help", verb).split("\nOptions:")[1], re.MULTILINE) for verb in VERBS}
+OPTIONS = {
+    verb: re.findall(r"(?:^  |,)(--?[\w-]+)", run("help", verb).split("\nOptions:")[1], re.MULTILINE) for verb in VERBS
+}
 SCRIPTS = {shell: run("completion", shell) for shell in ("bash", "zsh", "fish")}
 
 
@@ -89,7 +91,9 @@ class Completion(unittest.TestCase):
         for verb in VERBS:
             self.assertIn(f"\n    '{verb}:", SCRIPTS["zsh"])
             part = SCRIPTS["zsh"].split(f"\n    {verb})\n")[1].split("\n      ;;")[0]
-            self.assertEqual([name for name in OPTIONS[verb] if not re.search(rf"[{{,'(]{name}[}},\[]", part)], [], verb)
+            self.assertEqual(
+                [name for name in OPTIONS[verb] if not re.search(rf"[{{,'(]{name}[}},\[]", part)], [], verb
+            )
 
     def test_fish_has_every_verb_and_option(self):
         for verb in VERBS:
@@ -136,7 +140,9 @@ class Completion(unittest.TestCase):
     def check_pages(self, *command):
         for verb in ("", *VERBS):
             Path("page.1").write_text(run("man", *filter(None, [verb])))
-            ran = subprocess.run([*command, "page.1"], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C.UTF-8"})
+            ran = subprocess.run(
+                [*command, "page.1"], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C.UTF-8"}
+            )
             said = (ran.stdout if command[0] == "mandoc" else "") + ran.stderr
             # A page has no date of its own: it is as old as the program that prints it.
             faults = [line for line in said.splitlines() if "missing date" not in line]

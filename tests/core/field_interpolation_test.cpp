@@ -52,6 +52,40 @@ TEST(FieldInterpolation, InterpolationAtSamplesIsTheirValue) {
   });
 }
 
+// Around a ball of radius 1 in a box of half-width 1.5: below the distance everywhere outside, near it, and continuous.
+TEST(FieldInterpolation, BoundsTheDistanceOutsideTheGrid) {
+  const Grid grid{{25, 25, 25}, {-1.5, -1.5, -1.5}, {0.125, 0.125, 0.125}};
+  std::vector<float> values;
+  for_each_sample(
+      grid, [&](auto i, auto j, auto k) { values.push_back(static_cast<float>(length(grid.position(i, j, k)) - 1)); });
+  const auto field = DistanceField::from_dense(grid, kInfinity, values);
+  std::mt19937 random(4);
+  const auto anywhere = [&] {
+    return std::ldexp(static_cast<double>(random() % 2001) - 1000, static_cast<int>(random() % 5) - 9);
+  };
+  int outside = 0;
+  for (int n = 0; n < 3000; ++n) {
+    const Vec3 p{anywhere(), anywhere(), anywhere()};
+    if (max_norm(p) <= 1.5) EXPECT_EQ(field.interpolate(p, Outside::bound), field.interpolate(p)) << n;
+    if (max_norm(p) <= 1.51) continue;
+    ++outside;
+    const double bound = field.interpolate(p, Outside::bound), distance = length(p) - 1;
+    EXPECT_LE(bound, distance) << p.x << " " << p.y << " " << p.z;
+    EXPECT_GE(bound, 0.6 * distance - 0.11) << p.x << " " << p.y << " " << p.z;
+    EXPECT_LE(field.interpolate(p, Outside::border) - 0.11, bound);
+    const Vec3 slope = field.gradient(p, Outside::bound);
+    for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+      constexpr double kStep = 1e-6;
+      const double ahead = field.interpolate(p + axis * kStep, Outside::bound),
+                   behind = field.interpolate(p - axis * kStep, Outside::bound);
+      // Not where a step passes from one cell to the next.
+      if (std::abs((ahead - bound) - (bound - behind)) > 1e-9) continue;
+      EXPECT_NEAR((ahead - behind) / (2 * kStep), dot(slope, axis), 1e-3) << p.x << " " << p.y << " " << p.z;
+    }
+  }
+  EXPECT_GT(outside, 1000);
+}
+
 // Within a cell by definition: the eight corners, each with the volume opposite to it.
 TEST(FieldInterpolation, InterpolatesBetweenTheCorners) {
   const Grid grid{{2, 2, 2}, {1, 2, 3}, {2, 4, 8}};
