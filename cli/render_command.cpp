@@ -72,7 +72,8 @@ class DrawingInput {
 
   std::vector<std::string> names_;
   FieldArgument field_argument_;
-  std::vector<Mesh> meshes_, surfaces_;
+  std::vector<MeshReadResult> meshes_;
+  std::vector<Mesh> surfaces_;
   std::vector<std::vector<Vec3>> normals_;
   std::vector<DistanceField> fields_;
   std::vector<Polyline> points_, paths_;
@@ -206,15 +207,16 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
       if (kind != Kind::mesh) return read_points(name, kind == Kind::path);
       MeshInput input;
       input.set_name(name);
-      meshes_.push_back(input.read());
+      meshes_.push_back(input.read_with_report());
     });
   }
   check_layers(layers);
   add_field_layers(layers);
   const Shading shading = layers.flat ? Shading::flat : Shading::smooth;
   if (layers.mesh)
-    for (const Mesh& mesh : meshes_)
-      drawing_.meshes.push_back({.mesh = mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges});
+    for (const auto& [mesh, read] : meshes_)
+      drawing_.meshes.push_back(
+          {.mesh = mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges, .up = read.up});
   for (std::size_t n = 0; n < surfaces_.size(); ++n)
     if (!surfaces_[n].triangles.empty())
       drawing_.meshes.push_back({.mesh = surfaces_[n],
@@ -223,7 +225,7 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
                                  .edges = layers.edges,
                                  .normals = layers.flat ? std::span<const Vec3>() : normals_[n]});
   if (layers.boxes)
-    for (const Mesh& mesh : meshes_) drawing_.boxes.push_back({.box = bounds(mesh)});
+    for (const auto& [mesh, read] : meshes_) drawing_.boxes.push_back({.box = bounds(mesh)});
   for (Polyline& line : points_) {
     if (!layers.points) break;
     color_by_field(line);
@@ -239,11 +241,11 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
 }
 
 constexpr const char* kRenderExamples =
-    R"(  standoff render bunny.obj --up y                     into bunny.png
-  standoff render bunny.obj bunny.vti --up y           cut open at a slice of its field
+    R"(  standoff render bunny.obj                            into bunny.png
+  standoff render bunny.obj bunny.vti                  cut open at a slice of its field
   standoff render field.vti --layers iso,boxes --iso 2s
   standoff render labyrinth.stl flight.csv --opacity 0.3 --camera top
-  standoff render scene:factory --up y -o factory.png --size 1920x1080 --background dark
+  standoff render scene:factory -o factory.png --size 1920x1080 --background dark
   standoff render part.stl -o part.png --edges --turntable 36    part-000.png to part-035.png
 )";
 

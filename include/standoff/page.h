@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ namespace standoff {
 struct PageMesh {
   std::string name;  ///< as the page shows it; any text, bytes that are no UTF-8 are replaced
   MeshView mesh;
+  std::optional<Axis> up = {};  ///< its axis that points up, if that is known (MeshReadReport::up)
 };
 
 /// A field that a page shows.
@@ -31,7 +33,9 @@ struct PageField {
 struct PageOptions {
   std::string title = {};  ///< the page's title; empty: the names of what it shows
   std::string unit = {};   ///< of lengths, as the legend names it: "mm"; empty: "world units"
-  Axis up = Axis::z;       ///< the axis that points up on the screen
+  /// The axis that points up on the screen. None: the first that a mesh or a field's provenance names; else up_axis() of
+  /// the first mesh; else z.
+  std::optional<Axis> up = {};
   /// A field with more samples than this in stored tiles, more than 2^24 tiles, or 2^14 samples along an axis, is
   /// thinned: the page holds every second, third .. sample per axis. 512 to 2^27.
   std::int64_t most_samples = std::int64_t{1} << 24;
@@ -66,6 +70,9 @@ struct PageItem {
 /// options.most_triangles, where the library is built without meshoptimizer).
 STANDOFF_API std::string make_page(std::span<const PageMesh> meshes, std::span<const PageField> fields,
                                    const PageOptions& options = {}, std::vector<PageItem>* held = nullptr);
+
+/// The axis that points up in a page of these, where PageOptions::up is none. Errors: input (mesh).
+STANDOFF_API Axis up_axis(std::span<const PageMesh> meshes, std::span<const PageField> fields);
 
 /// Writes such a page; the file appears whole or not at all. Errors: as make_page(); output.
 STANDOFF_API void write_page(const std::filesystem::path& path, std::span<const PageMesh> meshes,

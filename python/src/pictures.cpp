@@ -42,7 +42,7 @@ void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std
                                .height = height,
                                .azimuth_deg = azimuth,
                                .elevation_deg = elevation,
-                               .up = static_cast<Axis>(choice_of("up", up, kPictureAxes))};
+                               .up = up_of(up)};
   const Unlocked released;
   write_mesh_png(path, mesh, options);
 }

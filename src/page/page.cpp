@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/page.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +8,7 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "files/deflate.h"
 #include "render/image.h"
@@ -157,12 +157,11 @@ std::string colors(Colormap map) {
 }
 
 std::string config(std::string_view title, const PageOptions& options) {
-  constexpr std::array kAxes{"x", "y", "z"};
   return JsonObject()
       .add("title", json_string(title))
       .add("source", options.served ? "\"server\"" : "\"embedded\"")
       .add("unit", json_string(options.unit))
-      .add("up", json_string(kAxes[static_cast<std::size_t>(options.up)]))
+      .add("up", json_string(axis_text(options.up.value_or(Axis::z))))
       .add("colormaps", JsonObject()
                             .add("viridis", colors(Colormap::viridis))
                             .add("diverging", colors(Colormap::diverging))
@@ -226,7 +225,7 @@ void check(const PageOptions& options) {
   expect_between("most_triangles", options.most_triangles, 1000, 50'000'000);
   expect_between("proxy_triangles", options.proxy_triangles, 100, 50'000'000);
   expect_between("compression", options.compression, 0, 9);
-  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+  if (options.up && *options.up != Axis::x && *options.up != Axis::y && *options.up != Axis::z)
     throw Error(ErrorCode::usage, "PageOptions::up is no axis; give Axis::x, y or z");
 }
 
@@ -246,12 +245,24 @@ std::string made(std::span<const PageMesh> meshes, std::span<const PageField> fi
   std::vector<PageItem> items;
   for (const PageMesh& mesh : meshes) blobs.push_back(page::mesh_blob(mesh, options, &items.emplace_back()));
   for (const PageField& field : fields) blobs.push_back(page::field_blob(field, options, &items.emplace_back()));
-  std::string html = page::html(title_of(meshes, fields, options), options, blobs);
+  PageOptions upright = options;
+  if (!options.up) upright.up = up_axis(meshes, fields);
+  std::string html = page::html(title_of(meshes, fields, options), upright, blobs);
   if (held) *held = std::move(items);
   return html;
 }
 
 }  // namespace
+
+Axis up_axis(std::span<const PageMesh> meshes, std::span<const PageField> fields) try {
+  std::vector<std::optional<Axis>> known;
+  for (const PageMesh& mesh : meshes) known.push_back(mesh.up);
+  for (const PageField& field : fields)
+    if (field.field) known.push_back(field.field->provenance().up);
+  return first_up(known, meshes.empty() ? nullptr : &meshes[0].mesh);
+} catch (...) {
+  throw_as_error("up_axis");
+}
 
 std::string make_page(std::span<const PageMesh> meshes, std::span<const PageField> fields, const PageOptions& options,
                       std::vector<PageItem>* held) {

@@ -13,6 +13,7 @@
 #include "core/guarded.h"
 #include "core/memory.h"
 #include "core/threads.h"
+#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "render/image.h"
 #include "render/light.h"
@@ -76,7 +77,7 @@ void check(const PictureOptions& options) {
     if (side < 16 || side > 8192) refuse("width and height must be 16 to 8192 pixels; 1280 by 960 is usual");
   if (!std::isfinite(options.azimuth_deg)) refuse("the azimuth must be finite; give degrees");
   if (!(std::abs(options.elevation_deg) <= 90)) refuse("the elevation must be -90 to 90 degrees; 0 is level");
-  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+  if (options.up && *options.up != Axis::x && *options.up != Axis::y && *options.up != Axis::z)
     refuse("there is no such axis; take x, y or z");
   if (!(options.zoom >= 0.01 && options.zoom <= 100)) refuse("the zoom must be 0.01 to 100; 1 shows everything");
   if (static_cast<int>(sample_places(options.samples).size()) != options.samples)
@@ -222,8 +223,8 @@ void Stage::add_numbers(const Drawing& drawing) {
 }
 
 Float3 Stage::up() const {
-  return {options_.up == Axis::x ? 1.0F : 0.0F, options_.up == Axis::y ? 1.0F : 0.0F,
-          options_.up == Axis::z ? 1.0F : 0.0F};
+  const Axis up = options_.up.value_or(Axis::z);
+  return {up == Axis::x ? 1.0F : 0.0F, up == Axis::y ? 1.0F : 0.0F, up == Axis::z ? 1.0F : 0.0F};
 }
 
 Framing::Room Stage::room() const {
@@ -334,8 +335,23 @@ Drawing drawing_of(MeshView mesh) {
 
 }  // namespace
 
-Image draw_picture(const Drawing& drawing, const PictureOptions& options) {
-  return on_threads(options, [&] {
+PictureOptions upright(const Drawing& drawing, const PictureOptions& options) {
+  PictureOptions found = options;
+  if (options.up) return found;
+  std::vector<std::optional<Axis>> known;
+  const auto add = [&](const DistanceField* field) {
+    if (field) known.push_back(field->provenance().up);
+  };
+  for (const MeshLayer& mesh : drawing.meshes) known.push_back(mesh.up);
+  for (const SliceLayer& slice : drawing.slices) add(slice.field);
+  for (const BandLayer& band : drawing.bands) add(band.field);
+  found.up = first_up(known, drawing.meshes.empty() ? nullptr : &drawing.meshes[0].mesh);
+  return found;
+}
+
+Image draw_picture(const Drawing& drawing, const PictureOptions& given) {
+  return on_threads(given, [&] {
+    const PictureOptions options = upright(drawing, given);
     const Stage stage(drawing, options);
     const Camera camera(options);
     return stage.draw(camera, stage.extent(camera));
@@ -368,11 +384,12 @@ std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
 }
 
 void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
-                     const PictureOptions& options, Existing existing) try {
+                     const PictureOptions& given, Existing existing) try {
   require_png();
   if (count < 1 || count > kMostTurns)
     throw Error(ErrorCode::usage,
                 "picture: a turntable has 1 to " + std::to_string(kMostTurns) + " pictures; 36 is usual");
+  const PictureOptions options = upright(drawing, given);
   const auto camera_of = [&](int n) {
     PictureOptions turned = options;
     turned.azimuth_deg += 360.0 * n / count;

@@ -66,6 +66,8 @@ class Stage {
   double contour_step_ = 0;
 };
 
+/// The options with the axis that points up, whether it was given or not. Errors: input (mesh).
+PictureOptions upright(const Drawing& drawing, const PictureOptions& options);
 /// As write_picture says, before it becomes a file.
 Image draw_picture(const Drawing& drawing, const PictureOptions& options);
 /// As write_mesh_png says.

@@ -89,8 +89,8 @@ def fields():
         assert drawn(pixels("c.png")).sum() > 500, layers
         assert (pixels("c.png") != both).any()
     # A mesh is cut open where the slice is, unless it shall stay whole.
-    run("render", "scene:box", "box.vti", *SIZE, "-o", "cut.png", "--axis", "y", "--camera", "front", "--no-legend")
-    run("render", "scene:box", "box.vti", *SIZE, "-o", "whole.png", "--axis", "y", "--camera", "front", "--no-legend",
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "cut.png", "--axis", "z", "--camera", "front", "--no-legend")
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "whole.png", "--axis", "z", "--camera", "front", "--no-legend",
         "--whole")
     cut, whole = pixels("cut.png")[60, 80].astype(int), pixels("whole.png")[60, 80].astype(int)
     assert cut[2] > cut[0] + 20 and abs(cut - whole).max() > 20  # blue is inside

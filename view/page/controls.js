@@ -49,8 +49,8 @@ export class Section {
     };
     input.addEventListener('input', () => {
       const v = Number(input.value);
-      present(v);
       changed(v);
+      present(v);  // last: what is told of a value may depend on what changed
     });
     if (done) input.addEventListener('change', () => done(Number(input.value)));
     const row = this.row(element('label', {for: id}, label), reading, input);

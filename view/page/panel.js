@@ -61,6 +61,12 @@ export function buildPanel(viewer) {
     }
     add(mesh);
   }
+  const eye = new Section('Eye');
+  controls.up = eye.choice({label: 'Points up', value: viewer.camera.up, options: [...kAxes].map((name, axis) => [axis, name]),
+    changed: axis => viewer.standUp(axis)});
+  controls.parallel = eye.toggle({label: 'Parallel', key: 'o', value: viewer.camera.parallel,
+    changed: v => { viewer.camera.parallel = v; changed(); }});
+  add(eye);
   const point = new Section('Point');
   controls.point = point.facts();
   point.element.setAttribute('aria-live', 'polite');
@@ -73,7 +79,7 @@ export function buildPanel(viewer) {
   about.facts([...scene.meshes.values()].flatMap(meshFacts).concat([...scene.fields.values()].flatMap(fieldFacts)));
   add(about);
   viewer.panel.replaceChildren(...viewer.extraSections.map(s => s.element), ...sections);
-  controls.sync = () => sync(controls, look);
+  controls.sync = () => sync(controls, viewer);
   return controls;
 }
 
@@ -106,7 +112,7 @@ function isoSection(viewer, controls, field) {
 }
 
 // Shows what keys and handles changed.
-function sync(controls, look) {
+function sync(controls, {look, camera}) {
   controls.slices?.forEach(({toggle, place}, axis) => {
     toggle.set(look.slices[axis].shown);
     place.set(look.slices[axis].at);
@@ -116,6 +122,8 @@ function sync(controls, look) {
     toggle?.set(on);
     if (slider) slider.element.hidden = !on;
   }
+  controls.up.set(camera.up);
+  controls.parallel.set(camera.parallel);
   controls.contours?.set(look.contours);
   controls.mesh?.set(look.mesh.shown);
   controls.cut?.set(look.mesh.cut);

@@ -151,6 +151,7 @@ export class Viewer {
       [['+', '='], 'nearer', act(() => camera.zoom(0.88))], [['-'], 'farther', act(() => camera.zoom(1 / 0.88))],
       [['0', 'r'], 'all in the picture', act(() => this.frame())],
       [['1', '2', '3'], 'along x, y, z', act(e => camera.along(Number(e.key) - 1, 1))],
+      [['u'], 'the next axis points up', act(() => this.standUp((camera.up + 1) % 3))],
       [['o'], 'parallel or perspective', act(() => { camera.parallel = !camera.parallel; })],
       [['x', 'y', 'z'], 'slices', act(e => { const s = look.slices['xyz'.indexOf(e.key)]; s.shown = !s.shown; })],
       [['[', ']'], 'move the slices', e => slide(e.key === '[' ? -1 : 1)(e)],
@@ -203,6 +204,12 @@ export class Viewer {
     const slice = this.look.slices[field.plane];
     slice.at = field.plane_at;
     slice.shown = slice.touched = true;
+  }
+
+  /// Makes an axis the one that points up: 0 x, 1 y, 2 z.
+  standUp(axis) {
+    this.camera.standUp(axis);
+    this.frame();
   }
 
   frame() {
