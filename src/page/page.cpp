@@ -12,6 +12,7 @@
 #include "files/atomic_file.h"
 #include "files/deflate.h"
 #include "render/image.h"
+#include "standoff/color.h"
 #include "standoff/error.h"
 #include "standoff/page.h"
 
@@ -156,12 +157,22 @@ std::string colors(Colormap map) {
   return json_string(text);
 }
 
+// The colors of bodies as CSS has them, in JSON.
+std::string body_colors() {
+  std::string list;
+  for (const Color& color : kBodyColors)
+    list += (list.empty() ? "[\"rgb(" : ",\"rgb(") + std::to_string(color[0]) + " " + std::to_string(color[1]) + " " +
+            std::to_string(color[2]) + ")\"";
+  return list + "]";
+}
+
 std::string config(std::string_view title, const PageOptions& options) {
   return JsonObject()
       .add("title", json_string(title))
       .add("source", options.served ? "\"server\"" : "\"embedded\"")
       .add("unit", json_string(options.unit))
       .add("up", json_string(axis_text(options.up.value_or(Axis::z))))
+      .add("bodies", body_colors())
       .add("colormaps", JsonObject()
                             .add("viridis", colors(Colormap::viridis))
                             .add("diverging", colors(Colormap::diverging))

@@ -70,6 +70,33 @@ export class Section {
     return {element: row, input, set: v => { input.checked = v; }};
   }
 
+  /// Numbers that are typed: `values` are what is shown.
+  numbers({label, names, values, changed}) {
+    const inputs = values.map((value, n) => element('input', {type: 'text', inputmode: 'decimal', value, 'aria-label': names[n]}));
+    let shown = values;
+    const set = v => { shown = v; v.forEach((text, n) => { if (document.activeElement !== inputs[n]) inputs[n].value = text; }); };
+    const given = () => inputs.map(input => Number(input.value.replace('−', '-').trim() || NaN));
+    for (const input of inputs)
+      input.addEventListener('change', () => {
+        if (given().every(Number.isFinite)) changed(given());
+        else inputs.forEach((one, n) => { one.value = shown[n]; });
+      });
+    const row = this.row(element('span', {class: 'label', 'aria-hidden': 'true'}, label), element('span', {class: 'numbers'}, ...inputs));
+    return {element: row, inputs, set};
+  }
+
+  /// A colour and a switch: of one thing in a list.
+  item({label, color, value, colored, changed}) {
+    const id = `c${++count}`, picker = element('input', {type: 'color', value: color, 'aria-label': `colour of ${label}`});
+    const input = element('input', {type: 'checkbox', role: 'switch', id});
+    input.checked = value;
+    picker.addEventListener('input', () => colored(picker.value));
+    input.addEventListener('change', () => changed(input.checked));
+    const row = this.row(picker, element('label', {for: id}, label), input);
+    row.classList.add('item');
+    return {element: row, input, picker, set: v => { input.checked = v; }};
+  }
+
   /// `options`: [value, text] pairs, of which one is chosen.
   choice({label, value, options, changed}) {
     const name = `c${++count}`, inputs = new Map();
