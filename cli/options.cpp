@@ -350,8 +350,8 @@ std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptio
   add("--samples", "N", "for each pixel: 1, 2, 4 (default), 8 or 16", [&options](S o, S t) {
     options.samples = 1 << parse_choice(o, t, {"1", "2", "4", "8", "16"});
   });
-  add("--background", "NAME", "white (default) or dark", [&options](S o, S t) {
-    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark"}));
+  add("--background", "NAME", "white (default), dark or transparent", [&options](S o, S t) {
+    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark", "transparent"}));
   });
   without("--no-legend", options.legend, "no legend");
   return all;

@@ -50,7 +50,8 @@ JsonObject header_of(const FlightSubject& subject) {
 
 std::vector<Section> bodies_of(const FlightSubject& subject) {
   const auto packed = [](const char* name, MeshView mesh) {
-    return mesh.triangles.empty() ? std::string() : page_data(PageMesh{name, mesh}, options(kFlyTriangles));
+    if (mesh.triangles.empty()) return std::string();
+    return page::mesh_blob(PageMesh{name, mesh}, options(kFlyTriangles), nullptr, page::kAnyShape);
   };
   return {{"fly", packed("fly", subject.fly.mesh())}, {"shell", packed("shell", subject.shell)}};
 }
@@ -79,7 +80,8 @@ namespace {
 
 // The walls, with few triangles for while things move, which is always.
 std::string walls_data(const FlightSubject& subject) {
-  return page_data(PageMesh{subject.walls_name, subject.walls.mesh()}, options(kWallTriangles));
+  return page::mesh_blob(PageMesh{subject.walls_name, subject.walls.mesh()}, options(kWallTriangles), nullptr,
+                         page::kAnyShape);
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ struct PageOptions {
   /// A mesh with more triangles than this is simplified. 1,000 to 50,000,000.
   std::int64_t most_triangles = 5'000'000;
   /// A mesh with more triangles than this gets a simplified one beside it, of at most two thirds as many as this, which
-  /// is drawn while the camera moves. 100 to 50,000,000.
+  /// is drawn while the camera moves; unless that would not look the same: then the page makes one, which keeps beams
+  /// and wires. 100 to 50,000,000.
   std::int64_t proxy_triangles = 70'000;
   int compression = 6;  ///< 0 (none) to 9 (smallest), as zlib has them
   /// The page asks the server that it came from for what it shows (view/README.md).
@@ -53,7 +54,7 @@ struct PageOptions {
 struct PageItem {
   std::string name;
   std::int64_t bytes = 0;  ///< packed, before they become text
-  /// Of a mesh: how many triangles the page holds, and those drawn while the camera moves; 0: it draws all of them.
+  /// Of a mesh: how many triangles the page holds, and those that it holds to be drawn while the camera moves.
   std::int64_t triangles = 0, proxy_triangles = 0;
   /// Of a field: every how many-th sample per axis the page holds.
   std::int64_t every = 0;

@@ -82,8 +82,9 @@ void check(const PictureOptions& options) {
   if (!(options.zoom >= 0.01 && options.zoom <= 100)) refuse("the zoom must be 0.01 to 100; 1 shows everything");
   if (static_cast<int>(sample_places(options.samples).size()) != options.samples)
     refuse("a pixel has 1, 2, 4, 8 or 16 samples; 4 is usual");
-  if (options.background != Background::white && options.background != Background::dark)
-    refuse("there is no such background; take white or dark");
+  if (options.background != Background::white && options.background != Background::dark &&
+      options.background != Background::transparent)
+    refuse("there is no such background; take white, dark or transparent");
 }
 
 // An upper bound for the field of shadows, wherever its triangles lie.
@@ -208,7 +209,7 @@ void Stage::move(const Drawing& moving) {
 void Stage::keep(const Camera& camera, const Extent& extent) {
   parts_.resize(standing_);
   kept_.reset();
-  kept_ = draw_parts(camera, framing(extent));
+  kept_ = draw_parts(camera, framing(extent), theme_.paper);
 }
 
 void Stage::add_numbers(const Drawing& drawing) {
@@ -217,6 +218,7 @@ void Stage::add_numbers(const Drawing& drawing) {
   Colormap map = drawing.colormap;
   if (map == Colormap::automatic) map = range.least < 0 || any_sign(drawing) ? Colormap::diverging : Colormap::viridis;
   legend_.emplace(range.least, range.greatest, static_cast<float>(range.thickness), map, theme_, drawing.quantity);
+  if (range.ends_early) legend_->end_early();
   if (const auto opacity = opacity_of_numbers(drawing)) legend_->show_through(*opacity);
   ramp_ = Ramp(*legend_, range.least, range.greatest, theme_);
   if (const auto& ticks = legend_->ticks(); ticks.size() > 1) contour_step_ = ticks[1].value - ticks[0].value;
@@ -258,7 +260,7 @@ Framing Stage::framing(const Extent& extent) const {
   return {extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom};
 }
 
-Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
+Image Stage::draw_parts(const Camera& camera, const Framing& framing, Color paper) const {
   std::vector<SeenPart> seen;
   std::uint64_t triangles = 0;
   for (const DrawnPart& part : parts_) {
@@ -289,7 +291,7 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
                         linear_of(theme_.outside),
                         linear_of(theme_.inside),
                         options_.perspective};
-  Image image = kept_ ? *kept_ : Image(options_.width, options_.height, theme_.paper);
+  Image image = kept_ ? *kept_ : Image(options_.width, options_.height, paper);
   const Bins moving(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.moves; });
   PerThread<TileDrawer> drawers([&] { return TileDrawer(seen, places); });
   tbb::parallel_for(0, opaque.tiles(), [&](int tile) {
@@ -298,7 +300,7 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
       moving.for_each(tile, [&](const SeenPart&, std::uint32_t) { moves = true; });
       if (!moves) return;
       const PixelRange pixels = moving.pixels(tile);
-      image.fill(pixels.left, pixels.top, pixels.right - pixels.left + 1, pixels.bottom - pixels.top + 1, theme_.paper);
+      image.fill(pixels.left, pixels.top, pixels.right - pixels.left + 1, pixels.bottom - pixels.top + 1, paper);
     }
     drawers.local().draw(opaque, clear, tile, scenery, image);
   });
@@ -306,7 +308,12 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
 }
 
 Image Stage::draw(const Camera& camera, const Extent& extent) const {
-  Image image = draw_parts(camera, framing(extent));
+  if (options_.background != Background::transparent) return draw_on(theme_.paper, camera, extent);
+  return without_paper(draw_on({255, 255, 255}, camera, extent), draw_on({0, 0, 0}, camera, extent));
+}
+
+Image Stage::draw_on(Color paper, const Camera& camera, const Extent& extent) const {
+  Image image = draw_parts(camera, framing(extent), paper);
   const int margin = static_cast<int>(kMargin * std::min(options_.width, options_.height));
   if (options_.legend && legend_)
     legend_->draw(image, options_.width - margin - legend_->width(words_), options_.height / 5, options_.height * 3 / 5,

@@ -3,7 +3,7 @@
 import {makeArray, makeBuffer, makeProgram} from './gl.js';
 import {normalsOf} from './normals.js';
 import {kColorShader, kCutShader, kFieldShader, kLightShader} from './shaders.js';
-import {kCells, standIn} from './stand_in.js';
+import {kCells, partOf, standIn} from './stand_in.js';
 import {identity} from './vec.js';
 
 const kVertex = `
@@ -115,9 +115,10 @@ export class MeshLayer {
     const mesh = {data, attributes, buffers: [positions, normals, whole], whole: makeArray(gl, attributes, whole), arrays: []};
     mesh.arrays.push(mesh.whole);
     this.meshes.set(id, mesh);
-    if (data.triangles <= kFew) return;
+    if (data.triangles <= kFew && !data.proxy) return;
     Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(64)});
     this.build(mesh);
+    if (data.proxy) return;
     while (mesh.cells > 0 && mesh.size > 1.5 * this.budget) {
       --mesh.cells;
       this.build(mesh);
@@ -126,7 +127,7 @@ export class MeshLayer {
 
   // The stand-in of a mesh, anew.
   build(mesh) {
-    const {gl} = this, {data} = mesh, made = standIn(data, mesh.normals, kCells[mesh.cells]);
+    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, mesh.normals, kCells[mesh.cells]);
     const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
     for (const buffer of mesh.standIn?.buffers ?? []) gl.deleteBuffer(buffer);
     for (const array of mesh.standIn?.arrays ?? []) gl.deleteVertexArray(array);
@@ -143,7 +144,7 @@ export class MeshLayer {
   resize(longer) {
     this.budget = longer ? 1.7 * this.budget : Math.max(20000, this.budget / 1.7);
     for (const mesh of this.meshes.values()) {
-      if (!mesh.standIn || mesh.data.triangles <= this.budget) continue;
+      if (!mesh.standIn || mesh.data.proxy || mesh.data.triangles <= this.budget) continue;
       // A step multiplies the triangles by about 2.
       const wanted = mesh.size * 2 < this.budget ? 1 : mesh.size > this.budget * 1.5 ? -1 : 0;
       const cells = Math.min(Math.max(mesh.cells + wanted, 0), kCells.length - 1);
@@ -164,7 +165,7 @@ export class MeshLayer {
   /// Whether fewer triangles are drawn while something moves.
   thins(id) {
     const {standIn, data} = this.meshes.get(id);
-    return Boolean(standIn) && data.triangles > this.budget;
+    return Boolean(standIn) && (data.triangles > this.budget || data.triangles <= kFew);
   }
 
   /// Draws piece `piece` of the whole mesh, or what stands in for it. `bodies`: {matrix (scene units), color, opacity}.

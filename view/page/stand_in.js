@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fewer triangles in place of a large mesh, to draw while something moves: vertices that share a cell of a lattice become
+// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that share a cell of a lattice become
 // one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line stays, as a line: beams and wires
 // thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
 
@@ -120,4 +120,19 @@ export function standIn(data, normals, cells) {
   for (let n = 0; n < 2 * lines.count; n += 2)
     if (!edges.has(lines.rows[n], lines.rows[n + 1])) alone.push(lines.rows[n], lines.rows[n + 1]);
   return {lattice: places, normals: averages, vertices: count, triangles: triangles.all, lines: Uint32Array.from(alone)};
+}
+
+/// The same of the fewer triangles that a mesh brings along, whose vertices get a list of their own: among all they would
+/// be far apart in memory.
+export function partOf({lattice, proxyCorners}, normals) {
+  const number = new Map(), triangles = proxyCorners.map(v => {
+    if (!number.has(v)) number.set(v, number.size);
+    return number.get(v);
+  });
+  const places = new lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
+  for (const [v, n] of number) {
+    places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
+    few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
+  }
+  return {lattice: places, normals: few, vertices: number.size, triangles, lines: new Uint32Array(0)};
 }
