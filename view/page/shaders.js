@@ -72,7 +72,7 @@ uniform vec3 cutSide, cutAt;  // per axis: -1 or 1, the side that the eye is on,
 uniform vec4 clip;            // away where the first three times the point exceed the fourth
 bool cut_away(vec3 p) {
   if (dot(clip.xyz, p) > clip.w) return true;
-  vec3 beside = (p - cutAt) * cutSide + 0.0015;  // a little more: no rim of it stands in front of the slice
+  vec3 beside = (p - cutAt) * cutSide + 0.004;  // a little more: no rim of it stands in front of the slice
   bvec3 free = bvec3(cutSide.x == 0.0 || beside.x > 0.0, cutSide.y == 0.0 || beside.y > 0.0, cutSide.z == 0.0 || beside.z > 0.0);
   return any(notEqual(cutSide, vec3(0.0))) && all(free);
 }
