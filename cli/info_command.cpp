@@ -209,9 +209,8 @@ void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const C
 Json json_field(const std::string& name, bool nearest, const Provenance& from, const Grid& grid, double thickness) {
   Json json = json_answer("info");
   json["kind"] = "field";
-  json["field"] = {{"file", name},          {"nearest", nearest}, {"sidecars", Json::array()},
-                   {"method", from.method}, {"sign", from.sign},  {"version", from.version},
-                   {"up", json_axis(from.up)}};
+  json["field"] = {{"file", name},      {"nearest", nearest},      {"sidecars", Json::array()}, {"method", from.method},
+                   {"sign", from.sign}, {"version", from.version}, {"up", json_axis(from.up)}};
   json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
   json["grid"] = json_grid(grid);
   json["thickness"] = json_number(thickness);

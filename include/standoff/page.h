@@ -33,8 +33,8 @@ struct PageField {
 struct PageOptions {
   std::string title = {};  ///< the page's title; empty: the names of what it shows
   std::string unit = {};   ///< of lengths, as the legend names it: "mm"; empty: "world units"
-  /// The axis that points up on the screen. None: the first that a mesh or a field's provenance names; else up_axis() of
-  /// the first mesh; else z.
+  /// The axis that points up on the screen. None: the first that a mesh or a field's provenance names; else up_axis()
+  /// of the first mesh; else z.
   std::optional<Axis> up = {};
   /// A field with more samples than this in stored tiles, more than 2^24 tiles, or 2^14 samples along an axis, is
   /// thinned: the page holds every second, third .. sample per axis. 512 to 2^27.

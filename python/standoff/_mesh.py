@@ -92,7 +92,9 @@ class Mesh:
         above = upwards(up, [self])
         return Picture.drawn(lambda path: _core.write_picture(self.vertices, self.faces, path, *size, *view, above))
 
-    def show(self, *fields: DistanceField, title: str = "", unit: str = "", up: str = "auto", height: int = 560) -> Page:
+    def show(
+        self, *fields: DistanceField, title: str = "", unit: str = "", up: str = "auto", height: int = 560
+    ) -> Page:
         """A page in which the mesh, with fields if any are given, can be turned and cut; notebooks show it.
 
         Args:

@@ -41,8 +41,8 @@ Axis up_axis(MeshView mesh) try {
   double most = kLeast;
   for (std::size_t n = 0; n < 3; ++n) {
     const Axis axis = kAxes[n];
-    const double floor = (axis == Axis::x ? 1 : extent.x) * (axis == Axis::y ? 1 : extent.y) *
-                         (axis == Axis::z ? 1 : extent.z);
+    const double floor =
+        (axis == Axis::x ? 1 : extent.x) * (axis == Axis::y ? 1 : extent.y) * (axis == Axis::z ? 1 : extent.z);
     const double share = floor > 0 ? base[n] / floor : 0;
     if (share > most * (n > 0 && most > kLeast ? kMore : 1)) most = share, best = n;
   }

@@ -19,8 +19,8 @@ namespace standoff::page {
 
 bool can_simplify() { return true; }
 
-std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices,
-                                 std::size_t most, float error) {
+std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices, std::size_t most,
+                                 float error) {
   std::vector<Triangle> out(triangles.size());
   const unsigned* const from = triangles.front().data();
   unsigned* const to = out.front().data();

@@ -101,8 +101,8 @@ bool can_simplify();
 /// At most `most` triangles over the same vertices that look like the given ones; `most` is less than there are. The
 /// vertices are any three floats each. Empty where this build cannot simplify, or not without a larger error, in parts
 /// of their box's longest side.
-std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices,
-                                 std::size_t most, float error = kAnyShape);
+std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices, std::size_t most,
+                                 float error = kAnyShape);
 
 /// Whole numbers that stand for a field's values. What is finite lies within kMostCode.
 inline constexpr std::int32_t kMostCode = 32766;

@@ -205,7 +205,8 @@ void ShapeBuilder::add_tube(Float3 from, Float3 to, float value_from, float valu
 // Layers.
 
 constexpr Color kLineColor{40, 44, 52};
-constexpr float kFewPixels = 1.5F;  // balls of a smaller radius are lit as the surface that they make: shades of each make moire
+// Balls of a smaller radius are lit as the surface that they make: the shades of each would make moire.
+constexpr float kFewPixels = 1.5F;
 constexpr float kPointPixels = 4, kPathPixels = 1.8F, kLinePixels = 0.7F;  // default radii
 
 float radius_in(const UnitSpace& space, double radius, float otherwise) {

@@ -38,7 +38,7 @@ struct DrawnPart {
   bool lit = true;              ///< false: shown in its color, whatever the light
   bool casts_shadow = true;
   bool exact_normals = false;  ///< light falls on the normals as they are, whatever the triangles
-  bool moves = false;  ///< stands elsewhere in other pictures of the same stage
+  bool moves = false;          ///< stands elsewhere in other pictures of the same stage
   /// Colors each pixel by a plane's value there, if not null.
   std::shared_ptr<const SliceTexture> slice;
   std::vector<std::array<float, 2>> on_slice;  ///< of the vertices: samples to the right and up

@@ -114,7 +114,8 @@ void draw_surface(const std::vector<float>& between, float level, double pixels,
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       const double inside = (level - between[static_cast<std::size_t>(y) * picture.width + x]) * pixels;
-      if (inside > -0.5) picture.image.blend(picture.left + x, picture.top + y, {255, 255, 255}, std::min(inside + 0.5, 1.0));
+      if (inside > -0.5)
+        picture.image.blend(picture.left + x, picture.top + y, {255, 255, 255}, std::min(inside + 0.5, 1.0));
     }
 }
 
@@ -223,7 +224,8 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   const bool apart = ticks.size() < 2 || (ticks[1].value - ticks[0].value) * pixels >= kLevelsApart * line;
   if (options.contours && !squares && apart)
     for (const Tick& tick : ticks)
-      if (!range.empty() && tick.value != 0) draw_level(between, tick.value, kLevelLine * line, kLevelLineShare, picture);
+      if (!range.empty() && tick.value != 0)
+        draw_level(between, tick.value, kLevelLine * line, kLevelLineShare, picture);
   if (is_signed)
     draw_level(between, 0, kZeroLevelLine * line, 1, picture);
   else if (options.colormap == Colormap::automatic && !squares)

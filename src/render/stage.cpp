@@ -390,8 +390,8 @@ std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
   return file.replace_filename(path.stem().string() + "-" + number + path.extension().string());
 }
 
-void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
-                     const PictureOptions& given, Existing existing) try {
+void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count, const PictureOptions& given,
+                     Existing existing) try {
   require_png();
   if (count < 1 || count > kMostTurns)
     throw Error(ErrorCode::usage,

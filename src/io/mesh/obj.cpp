@@ -187,7 +187,6 @@ void write_obj(AtomicFile& file, MeshView mesh) {
 
 }  // namespace
 
-constinit const MeshFormat kMeshObj{"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj,
-                                    false, Axis::y};
+constinit const MeshFormat kMeshObj{"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, write_obj, false, Axis::y};
 
 }  // namespace standoff
