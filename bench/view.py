@@ -137,19 +137,19 @@ async def turning(tab):
 
 async def pages(tab, program, folder, rounds):
     bunny, factory = folder / "bunny.html", folder / "factory.html"
-    standoff(program, "view", BUNNY, "-r", 128, "-t", "inf", "--up", "y", "-o", bunny)
+    standoff(program, "view", BUNNY, "-r", 128, "-t", "inf", "-o", bunny)
     yield row("page of the bunny with its full field, 128 samples: size", bunny.stat().st_size / 1e6, 2, "< 2", "", "MB")
     yield await first_picture(tab, bunny, rounds, "< 1", "< 0.5")
     await opened(tab, bunny.as_uri())
     yield await turning(tab)
-    standoff(program, "view", "scene:factory", "-r", 128, "--up", "y", "-o", factory)
+    standoff(program, "view", "scene:factory", "-r", 128, "-o", factory)
     yield row("page of the factory with its field, 2.9 million triangles: size", factory.stat().st_size / 1e6, 2, "< 20", "", "MB")
     yield await first_picture(tab, factory, 1, "< 10", "")
     yield await turning(tab)
 
 
 async def live(tab, program, rounds):
-    with served(program, "view", BUNNY, "-r", 128, "--up", "y") as (pid, address):
+    with served(program, "view", BUNNY, "-r", 128) as (pid, address):
         await opened(tab, address)
         await tab.ask("viewer.settled()")
         await tab.ask("viewer.panel.dispatchEvent(new PointerEvent('pointerdown', {bubbles: true}))")  # the slider is held

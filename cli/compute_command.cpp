@@ -387,6 +387,7 @@ void ComputeCommand::run() {
   plan.bytes_beside = beside.bytes_per_sample();
   if (dry_run) return tell(plan, field, console);
   console.say(mesh_line(mesh.name(), loaded));
+  options.up = read.up;
   for (const std::string& note : notes(read)) console.detail(mesh.name() + ": " + note);
   console.say(grid_line(plan.choice));
   if (plan.window) console.say(window_line(plan));

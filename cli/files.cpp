@@ -171,10 +171,12 @@ MeshReadResult MeshInput::read_with_report() const {
   const double scale = this->scale();
   if (!name_.starts_with(kScene)) return read_mesh(name_, {scale});
   const SceneName scene = parse_scene(name_);
+  MeshReadReport report;
+  report.up = Axis::y;
   Mesh mesh = scenes::make(scene.name, scene.triangles);
   if (scale != 1)
     for (Vec3& vertex : mesh.vertices) vertex = vertex * scale;
-  return {std::move(mesh), {}};
+  return {std::move(mesh), report};
 }
 
 MeshWriteOptions MeshInput::write_options(const MeshReadReport& read, Existing existing) const {
@@ -366,14 +368,18 @@ void FieldArgument::check_unused(const std::string& name) const {
     throw Error(ErrorCode::usage, std::string(given) + ": it is for fields, and " + name + " is none; leave it out");
 }
 
-Body read_body(const std::string& name, const Console& console) {
-  if (kind_of(name) == FileKind::body)
-    return with_spinner(console, "reading " + name, [&] { return Body::load(name); });
+Body read_body(const std::string& name, const Console& console, Axis* up) {
+  if (kind_of(name) == FileKind::body) {
+    Body body = with_spinner(console, "reading " + name, [&] { return Body::load(name); });
+    if (up) *up = up_axis(body.mesh());
+    return body;
+  }
   MeshInput input;
   input.set_name(name);
-  const Mesh mesh = with_spinner(console, "reading " + name, [&] { return input.read(); });
+  const auto [mesh, read] = with_spinner(console, "reading " + name, [&] { return input.read_with_report(); });
+  if (up) *up = read.up;
   try {
-    return with_spinner(console, "building the body of " + name, [&] { return Body(mesh); });
+    return with_spinner(console, "building the body of " + name, [&mesh = mesh] { return Body(mesh); });
   } catch (const Error& error) {
     throw Error(error.code(), name + ": " + error.what());
   }

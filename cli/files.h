@@ -160,8 +160,8 @@ class FieldArgument {
 };
 
 /// Makes a body of a mesh, or reads one that standoff build made (NAME.body), and shows on a terminal what is waited
-/// for.
-Body read_body(const std::string& name, const Console& console);
+/// for. `up`, unless null, receives the axis of its mesh that points up.
+Body read_body(const std::string& name, const Console& console, Axis* up = nullptr);
 
 /// Two bodies A and B, and where A is.
 class PairInput {

@@ -71,7 +71,7 @@ class FlightOutput {
   FileOutput file_;
   std::int64_t every_ = 1;
   double frames_per_second_ = 60;
-  PictureOptions picture_{.width = 1280, .height = 720, .elevation_deg = 40, .up = Axis::y};
+  PictureOptions picture_{.width = 1280, .height = 720, .elevation_deg = 40};
   std::vector<const CLI::Option*> of_films_, of_pictures_;
 };
 
@@ -125,6 +125,7 @@ void FlightOutput::write(const fly::FlightSubject& subject, std::span<const fly:
                       file_.existing());
   fly::Film film{subject, frames, frames_per_second_, picture_};
   film.picture.threads = threads;
+  if (!film.picture.up) film.picture.up = subject.up;
   const auto write = kind_ == Kind::folder ? fly::write_frames : fly::write_video;
   write(path(), film, file_.existing(), progress);
 }
@@ -154,8 +155,8 @@ struct FlyCommand {
   void check_mode() const;
   void check_outputs();
   void run();
-  void watch(const Body& maze, const Body& flier);
-  void record(const Body& maze, const Body& flier);
+  void watch(const fly::FlightSubject& subject);
+  void record(const fly::FlightSubject& subject);
   Json json_flight(const World& world) const;
 };
 
@@ -183,20 +184,19 @@ void FlyCommand::check_outputs() {
                                       std::to_string(fly::kMostBodies) + " at the most");
 }
 
-void FlyCommand::watch(const Body& maze, const Body& flier) {
-  auto flight = std::make_unique<fly::Flight>(maze, flier, options, flies);
-  fly::FlightServer page(fly::flight_subject(labyrinth, maze, flier, options.threads), std::move(flight));
+void FlyCommand::watch(const fly::FlightSubject& subject) {
+  auto flight = std::make_unique<fly::Flight>(subject.walls, subject.fly, options, flies);
+  fly::FlightServer page(subject, std::move(flight));
   server.serve(console, page.watch(), [&](auto&&... asked) { page.answer(asked...); });
 }
 
-void FlyCommand::record(const Body& maze, const Body& flier) {
-  fly::Flight flight(maze, flier, options, flies);
+void FlyCommand::record(const fly::FlightSubject& subject) {
+  fly::Flight flight(subject.walls, subject.fly, options, flies);
   std::vector<fly::FlightFrame> frames;
   {
     const Cancellable cancellable;
     frames = fly::recorded(flight, steps, film.every(), console.progress());
-    film.write(fly::flight_subject(labyrinth, maze, flier, options.threads), frames, options.threads,
-               console.progress());
+    film.write(subject, frames, options.threads, console.progress());
   }
   std::int64_t collisions = 0, crossings = 0;
   for (const fly::Flying& it : frames.back().bodies) collisions += it.collisions, crossings += it.crossings;
@@ -232,12 +232,16 @@ void FlyCommand::run() {
   if (!view) server.check_unused("without --view nothing is served");
   if (view && console.json())
     throw Error(ErrorCode::usage, "--json: a page that is served has no result; leave it out");
-  const Body maze = read_body(labyrinth, console), flier = read_body(fly, console);
+  Axis up = Axis::y;
+  const Body maze = read_body(labyrinth, console, &up), flier = read_body(fly, console);
   if (const double longest = length(maze.bounds().extent()); options.speed > longest)
     throw Error(ErrorCode::usage, "--speed " + number(options.speed) + ": a step is longer than the labyrinth, " +
                                       number(longest) + " from corner to corner; take a lower speed");
-  if (view) return watch(maze, flier);
-  if (film.given()) return record(maze, flier);
+  if (view || film.given()) {
+    fly::FlightSubject subject = fly::flight_subject(labyrinth, maze, flier, options.threads);
+    subject.up = up;
+    return view ? watch(subject) : record(subject);
+  }
   std::vector<PathPoint> points;
   std::mutex adding;
   double seconds = 0;

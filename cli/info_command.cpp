@@ -181,6 +181,8 @@ MeshReport examined(const MeshInput& input, const Mesh& mesh, MeshReportOptions 
   return found;
 }
 
+Json json_axis(std::optional<Axis> axis) { return axis ? Json(std::string(1, name_of(*axis))) : Json(nullptr); }
+
 void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const Console& console) {
   const auto [mesh, read] = with_spinner(console, "reading " + input.name(), [&] { return input.read_with_report(); });
   const MeshReport found = examined(input, mesh, options, console);
@@ -193,6 +195,7 @@ void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const C
                     {"unit_scale", read.unit_scale},
                     {"metres_per_unit", read.metres_per_unit > 0 ? Json(read.metres_per_unit) : Json(nullptr)},
                     {"axes", read.axes},
+                    {"up", json_axis(read.up)},
                     {"hash", hash_text(content_hash(mesh))}};
     add_report(json, found);
     return print(json);
@@ -207,8 +210,8 @@ void tell_mesh(const MeshInput& input, const MeshReportOptions& options, const C
 Json json_field(const std::string& name, bool nearest, const Provenance& from, const Grid& grid, double thickness) {
   Json json = json_answer("info");
   json["kind"] = "field";
-  json["field"] = {{"file", name},          {"nearest", nearest}, {"sidecars", Json::array()},
-                   {"method", from.method}, {"sign", from.sign},  {"version", from.version}};
+  json["field"] = {{"file", name},      {"nearest", nearest},      {"sidecars", Json::array()}, {"method", from.method},
+                   {"sign", from.sign}, {"version", from.version}, {"up", json_axis(from.up)}};
   json["mesh"] = {{"hash", from.mesh_hash == 0 ? Json(nullptr) : Json(hash_text(from.mesh_hash))}};
   json["grid"] = json_grid(grid);
   json["thickness"] = json_number(thickness);
@@ -228,7 +231,8 @@ std::string provenance_rows(const Provenance& from, const char* without_sign) {
   };
   return row("sign", from.sign.empty() ? without_sign : beginning(from.sign, 200)) +
          row("method", or_unknown(from.method) + ", standoff " + or_unknown(from.version)) +
-         row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash));
+         row("mesh hash", from.mesh_hash == 0 ? "unknown" : hash_text(from.mesh_hash)) +
+         row("up", from.up ? std::string(1, name_of(*from.up)) : "unknown");
 }
 
 std::vector<Grid> levels_of(const ZarrStore& store) {

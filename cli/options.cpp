@@ -358,15 +358,13 @@ std::vector<const CLI::Option*> add_picture_options(CLI::App& verb, PictureOptio
           std::to_string(std::lround(options.azimuth_deg)) + "," + std::to_string(std::lround(options.elevation_deg)) +
           ",1)",
       [&options](S o, S t) { parse_camera(o, t, options); });
-  const bool y_up = options.up == Axis::y;
-  add("--up", "A", std::string("the axis that points up: x, ") + (y_up ? "y (default) or z" : "y or z (default)"),
-      [&options](S o, S t) { options.up = parse_axis(o, t); });
+  add("--up", "A", kUpHelp, [&options](S o, S t) { options.up = parse_up(o, t); });
   without("--parallel", options.perspective, "parallel rays: no perspective");
   add("--samples", "N", "for each pixel: 1, 2, 4 (default), 8 or 16", [&options](S o, S t) {
     options.samples = 1 << parse_choice(o, t, {"1", "2", "4", "8", "16"});
   });
-  add("--background", "NAME", "white (default) or dark", [&options](S o, S t) {
-    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark"}));
+  add("--background", "NAME", "white (default), dark or transparent", [&options](S o, S t) {
+    options.background = static_cast<Background>(parse_choice(o, t, {"white", "dark", "transparent"}));
   });
   without("--no-legend", options.legend, "no legend");
   return all;

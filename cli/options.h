@@ -148,6 +148,8 @@ bool is_sign_given(const CLI::App& verb);
 void add_sign_report(Json& json, const SignReport& report);
 
 inline constexpr const char* kPictureGroup = "Picture";
+inline constexpr const char* kUpHelp =
+    "the axis that points up: x, y, z or auto (default): that of\nthe first file, by its format, or how it stands";
 
 /// Adds --size, --camera, --up, --parallel, --samples, --background and --no-legend, with the defaults that `options`
 /// has; returns them.

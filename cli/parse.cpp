@@ -289,6 +289,11 @@ Axis parse_axis(const std::string& option, const std::string& text) {
   return static_cast<Axis>(parse_choice(option, text, {"x", "y", "z"}));
 }
 
+std::optional<Axis> parse_up(const std::string& option, const std::string& text) {
+  const std::size_t choice = parse_choice(option, text, {"x", "y", "z", "auto"});
+  return choice < 3 ? std::optional(static_cast<Axis>(choice)) : std::nullopt;
+}
+
 Colormap parse_colormap(const std::string& option, const std::string& text) {
   constexpr Colormap maps[] = {Colormap::automatic, Colormap::diverging, Colormap::viridis, Colormap::thesis};
   return maps[parse_choice(option, text, {"auto", "diverging", "viridis", "thesis"})];

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -83,6 +84,8 @@ Pose pose_of(std::span<const double> numbers);
 double parse_share(const std::string& option, const std::string& text);
 /// x, y or z.
 Axis parse_axis(const std::string& option, const std::string& text);
+/// The same for --up; nothing for auto.
+std::optional<Axis> parse_up(const std::string& option, const std::string& text);
 /// auto, diverging, viridis or thesis.
 Colormap parse_colormap(const std::string& option, const std::string& text);
 

@@ -178,9 +178,10 @@ struct PointsCommand {
 void parse_asked(const std::string& option, const std::string& text, AskedAnswers& asked) {
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
-    bool* const all[] = {&asked.closest, &asked.triangle, &asked.barycentric,
+    bool* const all[] = {&asked.point,   &asked.closest,  &asked.triangle, &asked.barycentric,
                          &asked.feature, &asked.gradient, &asked.winding};
-    *all[parse_choice(option, word, {"closest", "triangle", "barycentric", "feature", "gradient", "winding"})] = true;
+    *all[parse_choice(option, word,
+                      {"point", "closest", "triangle", "barycentric", "feature", "gradient", "winding"})] = true;
   }
 }
 
@@ -190,11 +191,12 @@ void PointsCommand::add_to(CLI::App& verb) {
       ->required();
   output.add_to(verb, "ANSWERS",
                 "the answers: " + extensions(answer_formats(), true) + "\n(default: CSV on standard output)");
-  add_parsed(
-      verb,
-      {"--with", "WHAT",
-       "also answer, with commas between: closest, triangle,\nbarycentric, feature, gradient, winding", "Question"},
-      [this](S o, S t) { parse_asked(o, t, asked); });
+  add_parsed(verb,
+             {"--with", "WHAT",
+              "also answer, with commas between: point (as given),\nclosest, triangle, barycentric, feature, gradient, "
+              "winding",
+              "Question"},
+             [this](S o, S t) { parse_asked(o, t, asked); });
   verb.add_flag("--skip-invalid", skip_invalid,
                 "answer nan for points that are not finite or too far out;\nthey are an error otherwise")
       ->group("Question");

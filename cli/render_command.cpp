@@ -6,6 +6,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,12 +68,13 @@ class DrawingInput {
   static Kind kind_of_input(const std::string& name);
   void read_points(const std::string& name, bool is_path);
   void check_layers(const LayerOptions& layers) const;
-  void add_field_layers(const LayerOptions& layers);
+  void add_field_layers(const LayerOptions& layers, const Console& console);
   void color_by_field(Polyline& line) const;
 
   std::vector<std::string> names_;
   FieldArgument field_argument_;
-  std::vector<Mesh> meshes_, surfaces_;
+  std::vector<MeshReadResult> meshes_;
+  std::vector<Mesh> surfaces_;
   std::vector<std::vector<Vec3>> normals_;
   std::vector<DistanceField> fields_;
   std::vector<Polyline> points_, paths_;
@@ -126,14 +128,17 @@ void DrawingInput::read_points(const std::string& name, bool is_path) {
   Polyline line;
   const auto reader = open_points(name, InvalidPoints::mark);
   std::vector<Vec3> block(1 << 14);
-  while (const std::size_t count = reader->read(block))
+  while (const std::size_t count = reader->read(block)) {
     line.points.insert(line.points.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(count));
+    const std::span<const double> distances = reader->distances();
+    line.values.insert(line.values.end(), distances.begin(), distances.end());
+  }
   if (is_path) line.starts = path_starts(name, read_text(name), line.points.size());
   (is_path ? paths_ : points_).push_back(std::move(line));
 }
 
 void DrawingInput::color_by_field(Polyline& line) const {
-  if (fields_.empty()) return;
+  if (fields_.empty() || !line.values.empty()) return;
   line.values.resize(line.points.size());
   fields_.front().interpolate(line.points, line.values);  // NaN, which is pink, outside the grid
 }
@@ -154,12 +159,10 @@ void DrawingInput::check_layers(const LayerOptions& layers) const {
          "no mesh and no field among the inputs; give one");
 }
 
-void DrawingInput::add_field_layers(const LayerOptions& layers) {
+void DrawingInput::add_field_layers(const LayerOptions& layers, const Console& console) {
   const bool alone = meshes_.empty() && !layers.chosen;
   for (const DistanceField& field : fields_) {
     const bool has_sign = field.has_sign();
-    // A solid behind the slice shows through it.
-    const bool shows_solid = (layers.mesh && !meshes_.empty()) || layers.iso || (alone && has_sign);
     if (layers.slice) {
       SliceOptions wanted;
       wanted.axis = layers.slice_axis;
@@ -169,8 +172,7 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
       drawing_.slices.push_back({.field = &field,
                                  .axis = plane.axis,
                                  .at = last > 0 ? static_cast<double>(plane.index) / last : 0.5,
-                                 .cuts = layers.cuts,
-                                 .outside_opacity = shows_solid && has_sign ? 0.6 : 1});
+                                 .cuts = layers.cuts});
     }
     const double spacing = field.grid().max_spacing();
     const bool is_full = field.thickness() > 0.5 * field.grid().bounds().longest_side();
@@ -183,7 +185,11 @@ void DrawingInput::add_field_layers(const LayerOptions& layers) {
     SurfaceOptions options;
     options.memory_limit = memory_limit();
     options.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing);
-    surfaces_.push_back(surface(field, options).mesh);
+    SurfaceResult made = surface(field, options);
+    if (made.report.capped > 0)
+      console.warn("the isosurface at " + number(options.at) +
+                   " is cut off at the grid's border; take a lower --iso, or a field with more --padding");
+    surfaces_.push_back(std::move(made.mesh));
     normals_.emplace_back(surfaces_.back().vertices.size());
     if (surfaces_.back().triangles.empty() && layers.chosen)
       throw Error(ErrorCode::usage, "--iso " + number(options.at) +
@@ -206,15 +212,19 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
       if (kind != Kind::mesh) return read_points(name, kind == Kind::path);
       MeshInput input;
       input.set_name(name);
-      meshes_.push_back(input.read());
+      meshes_.push_back(input.read_with_report());
     });
   }
   check_layers(layers);
-  add_field_layers(layers);
+  add_field_layers(layers, console);
   const Shading shading = layers.flat ? Shading::flat : Shading::smooth;
   if (layers.mesh)
-    for (const Mesh& mesh : meshes_)
-      drawing_.meshes.push_back({.mesh = mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges});
+    for (std::size_t n = 0; n < meshes_.size(); ++n) {
+      MeshLayer layer{.mesh = meshes_[n].mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges};
+      layer.up = meshes_[n].report.up;
+      if (n > 0) layer.color = kBodyColors[(n - 1) % kBodyColors.size()];
+      drawing_.meshes.push_back(layer);
+    }
   for (std::size_t n = 0; n < surfaces_.size(); ++n)
     if (!surfaces_[n].triangles.empty())
       drawing_.meshes.push_back({.mesh = surfaces_[n],
@@ -223,7 +233,7 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
                                  .edges = layers.edges,
                                  .normals = layers.flat ? std::span<const Vec3>() : normals_[n]});
   if (layers.boxes)
-    for (const Mesh& mesh : meshes_) drawing_.boxes.push_back({.box = bounds(mesh)});
+    for (const auto& [mesh, read] : meshes_) drawing_.boxes.push_back({.box = bounds(mesh)});
   for (Polyline& line : points_) {
     if (!layers.points) break;
     color_by_field(line);
@@ -239,11 +249,11 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
 }
 
 constexpr const char* kRenderExamples =
-    R"(  standoff render bunny.obj --up y                     into bunny.png
-  standoff render bunny.obj bunny.vti --up y           cut open at a slice of its field
+    R"(  standoff render bunny.obj                            into bunny.png
+  standoff render bunny.obj bunny.vti                  cut open at a slice of its field
   standoff render field.vti --layers iso,boxes --iso 2s
   standoff render labyrinth.stl flight.csv --opacity 0.3 --camera top
-  standoff render scene:factory --up y -o factory.png --size 1920x1080 --background dark
+  standoff render scene:factory -o factory.png --size 1920x1080 --background dark
   standoff render part.stl -o part.png --edges --turntable 36    part-000.png to part-035.png
 )";
 

@@ -127,7 +127,7 @@ void SliceCommand::run() {
   SlicePlane plane;
   const DistanceField loaded = read(plane);
   write_slice_png(output.path(), loaded, options, output.existing());
-  const std::string axis(1, "xyz"[static_cast<int>(plane.axis)]);
+  const std::string axis(1, name_of(plane.axis));
   console.say(output.path().string() + ": the plane of " + field + " at " + axis + " = " + number(plane.position) +
               ", sample " + std::to_string(plane.index));
   if (!console.json()) return;

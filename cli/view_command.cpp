@@ -27,7 +27,7 @@ constexpr const char* kViewExamples =
     R"(  standoff view bunny.obj -o bunny.html                the mesh and its field, computed now
   standoff view bunny.obj bunny.vti -o bunny.html      the mesh and a field that you have
   standoff view bunny.obj old.vti new.vti -o both.html two fields side by side, and their difference
-  standoff view scene:factory -r 256 --up y -o factory.html
+  standoff view scene:factory -r 256 -o factory.html
 )";
 
 // This is enough to look at, and small enough for a mail.
@@ -74,7 +74,7 @@ void ViewCommand::add_to(CLI::App& verb) {
     return add_parsed(verb, {name, value, help, "Page"}, set);
   };
   add("--title", "TEXT", "the page's title (default: the names of the files)", [this](S, S t) { page.title = t; });
-  add("--up", "A", "the axis that points up: x, y or z (default)", [this](S o, S t) { page.up = parse_axis(o, t); });
+  add("--up", "A", kUpHelp, [this](S o, S t) { page.up = parse_up(o, t); });
   add("--length-unit", "NAME", "what the legend calls the unit of lengths, such as mm",
       [this](S, S t) { page.unit = t; });
   add("--most-samples", "N", "thin out fields that store more samples (default 16777216)",
@@ -105,9 +105,9 @@ Subject ViewCommand::read() {
     }
     MeshInput input;
     input.set_name(name);
-    subject.meshes.push_back(with_spinner(console, "reading " + name, [&] { return input.read(); }));
-    subject.mesh_names.push_back(shown_name(name));
-    console.say(mesh_line(name, subject.meshes.back()));
+    auto [mesh, read] = with_spinner(console, "reading " + name, [&] { return input.read_with_report(); });
+    console.say(mesh_line(name, mesh));
+    subject.meshes.push_back({shown_name(name), std::move(mesh), read.up});
   }
   return subject;
 }
@@ -123,26 +123,27 @@ GridChoice ViewCommand::choose_grid(const Mesh& mesh) const {
 
 // Computes the field of the first mesh alone: several fields would be drawn over each other.
 void ViewCommand::compute_field(Subject& subject) {
-  const Mesh& mesh = subject.meshes.front();
+  const auto& [name, mesh, up] = subject.meshes.front();
   const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
+  compute_options.up = up;
   ComputeResult computed = [&] {
     const Cancellable cancellable;
     compute_options.progress = console.progress();
-    return compute(mesh, choice.grid, choice.thickness, compute_options);
+    return compute(subject.meshes.front().mesh, choice.grid, choice.thickness, compute_options);
   }();
   compute_options.progress = nullptr;  // ends the progress bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   console.say("field: " + size_text(choice.grid.size) + " samples, " +
               (computed.report.sign.method == SignMethod::none ? "no sign" : computed.report.sign.why));
   subject.fields.push_back(std::move(computed.field));
-  subject.field_names.push_back("field of " + subject.mesh_names.front());
+  subject.field_names.push_back("field of " + name);
 }
 
 void ViewCommand::serve(Subject subject) {
   std::optional<view::LiveSettings> live;
   if (subject.fields.empty() && !no_field) {
-    const GridChoice choice = choose_grid(subject.meshes.front());
+    const GridChoice choice = choose_grid(subject.meshes.front().mesh);
     const Size3 size = choice.grid.size;
     live = {std::max({size.x, size.y, size.z}), choice.thickness, false, compute_options.sign,
             compute_options.execution};
@@ -173,15 +174,12 @@ void ViewCommand::run() {
   Subject subject = read();
   if (!output.given()) return serve(std::move(subject));
   if (subject.fields.empty() && !no_field) {
-    if (page.title.empty()) page.title = subject.mesh_names.front();
+    if (page.title.empty()) page.title = subject.meshes.front().name;
     compute_field(subject);
   }
 
-  std::vector<PageMesh> meshes;
-  for (std::size_t n = 0; n < subject.meshes.size(); ++n) meshes.push_back({subject.mesh_names[n], subject.meshes[n]});
-  std::vector<PageField> fields;
-  for (std::size_t n = 0; n < subject.fields.size(); ++n)
-    fields.push_back({subject.field_names[n], &subject.fields[n]});
+  const std::vector<PageMesh> meshes = subject.page_meshes();
+  const std::vector<PageField> fields = subject.page_fields();
   std::vector<PageItem> held;
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_page(output.path(), meshes, fields, page, &held, output.existing()); });

@@ -68,6 +68,15 @@ LiveSettings settings_of(const Request& request, LiveSettings settings) {
   return settings;
 }
 
+// The names of what is shown.
+std::string title_of(const ViewSubject& subject) {
+  std::string title;
+  const auto add = [&](const std::string& name) { title += (title.empty() ? "" : ", ") + name; };
+  for (const ViewSubject::NamedMesh& mesh : subject.meshes) add(mesh.name);
+  for (const std::string& name : subject.field_names) add(name);
+  return title;
+}
+
 // The extension of a file's name, if it is that of a mesh; nothing else of the name is used.
 std::string mesh_suffix(std::string_view name) {
   const auto dot = name.rfind('.');
@@ -83,14 +92,27 @@ std::string mesh_suffix(std::string_view name) {
 
 }  // namespace
 
+std::vector<PageMesh> ViewSubject::page_meshes() const {
+  std::vector<PageMesh> all;
+  for (const auto& [name, mesh, up] : meshes) all.push_back({name, mesh, up});
+  return all;
+}
+
+std::vector<PageField> ViewSubject::page_fields() const {
+  std::vector<PageField> all;
+  for (std::size_t n = 0; n < fields.size(); ++n) all.push_back({field_names[n], &fields[n]});
+  return all;
+}
+
 ViewServer::ViewServer(ViewSubject subject, const PageOptions& page, const std::optional<LiveSettings>& live,
                        std::int64_t memory_limit)
     : subject_(std::move(subject)), page_(page) {
   page_.served = true;
+  if (!page_.up) page_.up = up_axis(subject_.page_meshes(), subject_.page_fields());
+  if (page_.title.empty()) page_.title = title_of(subject_);
   if (!live) return;
-  live_ = std::make_unique<view::LiveView>(subject_.mesh_names.front(), std::move(subject_.meshes.front()), *live,
-                                           memory_limit);
-  subject_.mesh_names.erase(subject_.mesh_names.begin());
+  auto& [name, mesh, up] = subject_.meshes.front();
+  live_ = std::make_unique<view::LiveView>(name, std::move(mesh), *live, memory_limit);
   subject_.meshes.erase(subject_.meshes.begin());
 }
 
@@ -111,7 +133,7 @@ void ViewServer::answer(const Request& request, std::string_view route, Reply& r
   if (route == "upload") return upload(request, reply);
 }
 
-std::string ViewServer::state() const {
+std::string ViewServer::state(std::optional<Axis> up) const {
   Json items = Json::array();
   for (std::size_t n = 0; n < subject_.meshes.size(); ++n)
     items.push_back({{"id", "mesh" + std::to_string(n)}, {"kind", "mesh"}});
@@ -132,6 +154,7 @@ std::string ViewServer::state() const {
                     {"signs", signs()},
                     {"device", device_text(settings.execution)},
                     {"devices", devices()}};
+    if (up) json["live"]["up"] = std::string(1, name_of(*up));
   }
   // Names of files may be no UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -153,7 +176,7 @@ std::shared_ptr<const std::string> ViewServer::data(const std::string& id) {
   }
   for (std::size_t n = 0; n < subject_.meshes.size(); ++n)
     if (id == "mesh" + std::to_string(n))
-      packed = page_data(PageMesh{subject_.mesh_names[n], subject_.meshes[n]}, page_);
+      packed = page_data(PageMesh{subject_.meshes[n].name, subject_.meshes[n].mesh}, page_);
   for (std::size_t n = 0; n < subject_.fields.size(); ++n)
     if (id == "field" + std::to_string(n))
       packed = page_data(PageField{subject_.field_names[n], &subject_.fields[n]}, page_);
@@ -179,10 +202,10 @@ void ViewServer::point(const Request& request, Reply& reply) {
 
 void ViewServer::upload(const Request& request, Reply& reply) {
   const std::string& name = needed(request, "name");
-  Mesh mesh = [&] {
+  auto [mesh, read] = [&] {
     const TempFile file(mesh_suffix(name), request.body);
     try {
-      return read_mesh(file.path()).mesh;
+      return read_mesh(file.path());
     } catch (const Error& error) {
       // The file is the user's by its own name alone.
       std::string text = error.what();
@@ -192,7 +215,7 @@ void ViewServer::upload(const Request& request, Reply& reply) {
     }
   }();
   live_->replace(name, std::move(mesh));
-  reply.send(200, kJsonType, state());
+  reply.send(200, kJsonType, state(read.up));
 }
 
 // How far the field has come. The stream also says that the page is open.

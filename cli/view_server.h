@@ -19,9 +19,18 @@ namespace standoff::cli {
 
 /// What was given on the command line.
 struct ViewSubject {
-  std::vector<std::string> mesh_names, field_names;
-  std::vector<Mesh> meshes;
+  struct NamedMesh {
+    std::string name;
+    Mesh mesh;
+    Axis up;
+  };
+  std::vector<NamedMesh> meshes;
+  std::vector<std::string> field_names;
   std::vector<DistanceField> fields;
+
+  /// They view this one.
+  std::vector<PageMesh> page_meshes() const;
+  std::vector<PageField> page_fields() const;
 };
 
 class ViewServer {
@@ -35,7 +44,7 @@ class ViewServer {
   view::PageWatch& watch() { return watch_; }
 
  private:
-  std::string state() const;
+  std::string state(std::optional<Axis> up = {}) const;  // of a mesh that has just come
   std::shared_ptr<const std::string> data(const std::string& id);
   void compute(const view::Request& request, view::Reply& reply);
   void point(const view::Request& request, view::Reply& reply);

@@ -30,10 +30,8 @@ constexpr std::int64_t kShellSamples = 40;
 constexpr std::int64_t kFlyTriangles = 350;      // of many flies
 constexpr std::int64_t kWallTriangles = 16'000;  // walls are flat: this is enough to see them by
 
-PageOptions options(std::int64_t proxy_triangles, std::string title = {}) {
+PageOptions options(std::int64_t proxy_triangles) {
   PageOptions options;
-  options.title = std::move(title);
-  options.up = Axis::y;
   options.proxy_triangles = proxy_triangles;
   return options;
 }
@@ -52,7 +50,8 @@ JsonObject header_of(const FlightSubject& subject) {
 
 std::vector<Section> bodies_of(const FlightSubject& subject) {
   const auto packed = [](const char* name, MeshView mesh) {
-    return mesh.triangles.empty() ? std::string() : page_data(PageMesh{name, mesh}, options(kFlyTriangles));
+    if (mesh.triangles.empty()) return std::string();
+    return page::mesh_blob(PageMesh{name, mesh}, options(kFlyTriangles), nullptr, page::kAnyShape);
   };
   return {{"fly", packed("fly", subject.fly.mesh())}, {"shell", packed("shell", subject.shell)}};
 }
@@ -81,7 +80,8 @@ namespace {
 
 // The walls, with few triangles for while things move, which is always.
 std::string walls_data(const FlightSubject& subject) {
-  return page_data(PageMesh{subject.walls_name, subject.walls.mesh()}, options(kWallTriangles));
+  return page::mesh_blob(PageMesh{subject.walls_name, subject.walls.mesh()}, options(kWallTriangles), nullptr,
+                         page::kAnyShape);
 }
 
 }  // namespace
@@ -103,15 +103,17 @@ std::string flight_page(const FlightSubject& subject, std::span<const FlightFram
   sections.push_back({"collisions", std::move(coded.collisions)});
   sections.push_back({"crossings", std::move(coded.crossings)});
   sections.push_back({"steps", std::move(coded.steps)});
-  const auto page = options(kWallTriangles, title);
+  PageOptions page = options(kWallTriangles);
+  page.up = subject.up;
   return page::html(title, page, {walls_data(subject), page::packed_blob(header, sections, page.compression)});
 }
 
 namespace {
 
-// What the page of a flight is made with: y is up.
 std::string watched_page(const FlightSubject& subject) {
-  PageOptions page = options(kWallTriangles, "standoff fly: " + subject.walls_name);
+  PageOptions page = options(kWallTriangles);
+  page.title = "standoff fly: " + subject.walls_name;
+  page.up = subject.up;
   page.served = true;
   return make_page({}, {}, page);
 }

@@ -19,6 +19,7 @@ struct FlightSubject {
   Body walls, fly;
   Mesh shell;  ///< a surface of the fly's field, around it
   double shell_distance = 0;
+  Axis up = Axis::y;  ///< of the walls
 };
 
 /// The shell is as far from the fly as a quarter of its box's longest side.

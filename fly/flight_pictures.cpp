@@ -57,6 +57,8 @@ constexpr double kWordsSize = 16;      // pixels, of a picture whose shorter sid
 constexpr double kUsualSide = 720;
 
 PictureOptions checked(PictureOptions options) {
+  if (options.background == Background::transparent)
+    throw Error(ErrorCode::usage, "films have no transparent background; take white or dark");
   options.shadows = options.axes = false;  // see-through walls cast none
   return options;
 }

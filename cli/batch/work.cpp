@@ -245,21 +245,22 @@ bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Jso
          sink_->holds(order.mesh, order.earlier_bytes, order.earlier_result);
 }
 
-Mesh MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
+MeshReadResult MeshWork::read(const BatchOrder& order, Json& row, bool& holds) const {
   MeshInput input = making_.mesh;
   input.set_name(order.path);
-  Mesh mesh = input.read();
+  MeshReadResult found = input.read_with_report();
+  Mesh& mesh = found.mesh;
   validate(mesh);
   if (has_companions(order.path) && still_holds(order, content_hash(MeshView(mesh)), row)) {
     holds = true;
-    return mesh;
+    return found;
   }
   const Similarity moved = normalization(mesh, making_.normalization);
   if (making_.normalization != Normalization::none) apply(moved, mesh);
   row["mesh"] = {{"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()}};
   row["normalization"] = {
       {"kind", name_of(making_.normalization)}, {"center", json_point(moved.center)}, {"scale", moved.scale}};
-  return mesh;
+  return found;
 }
 
 bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wait_to_be_alone, Json& row) {
@@ -268,10 +269,12 @@ bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wa
   check_input(order.path);
   if (!has_companions(order.path) && still_holds(order, hash_of_source(order.path), row)) return false;
   const auto start = std::chrono::steady_clock::now();
-  Mesh mesh;
+  MeshReadResult found;
   bool holds = false;
-  naming(order.path, [&] { on_threads(threads_, [&] { mesh = read(order, row, holds); }); });
+  naming(order.path, [&] { on_threads(threads_, [&] { found = read(order, row, holds); }); });
   if (holds) return false;
+  const Mesh& mesh = found.mesh;
+  making_.field.compute.up = found.report.up;
   naming(order.path, [&] {
     const GridChoice choice = making_.field.choose_grid(order.path, bounds(mesh));
     row["grid"] = json_grid(choice.grid);

@@ -85,7 +85,7 @@ class MeshWork {
   /// False where the result of the earlier row still holds.
   bool make_row(const BatchOrder& order, const std::function<void()>& wait_to_be_alone, Json& row);
   bool still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const;
-  Mesh read(const BatchOrder& order, Json& row, bool& holds) const;
+  MeshReadResult read(const BatchOrder& order, Json& row, bool& holds) const;
   void make_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   bool fetch_field(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);
   void make_points(const BatchOrder& order, const Mesh& mesh, const GridChoice& choice, Json& row);

@@ -12,8 +12,9 @@ enum class Colormap {
 };
 
 enum class Background {
-  white,  ///< dark words on white
-  dark,   ///< light words on a dark grey
+  white,        ///< dark words on white
+  dark,         ///< light words on a dark grey
+  transparent,  ///< dark words on nothing; pictures in three dimensions alone
 };
 
 }  // namespace standoff

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -90,6 +91,9 @@ struct ComputeOptions {
   /// Several GPUs that share the field, by the method `tiles` alone: they take windows of the grid in turn. They take
   /// the place of Execution::device. The values do not depend on them.
   std::vector<int> devices = {};
+  /// The mesh's axis that points up, MeshReadReport::up, for the field's provenance: pictures of the field then stand
+  /// as those of the mesh do. No value depends on it.
+  std::optional<Axis> up = {};
 };
 
 /// What a computation did.

@@ -28,6 +28,7 @@ struct Provenance {
   std::uint64_t mesh_hash = 0;  ///< content_hash of the mesh, 0 if unknown
   std::string version;          ///< version of standoff that computed it
   std::string sign;             ///< how the sign was decided (docs/sign.md): "winding odd inverted"; empty: no sign
+  std::optional<Axis> up = {};  ///< the axis of the mesh that points up in pictures; none if unknown
 };
 
 /// What a field answers at a point outside its grid, of which it knows nothing. A point within a thousandth of the

@@ -54,6 +54,9 @@ struct MeshReadReport {
   double metres_per_unit = 0;
   /// Which axes of the file became x, y and z: 1, 2, 3 for its x, y, z; negative if the direction was reversed.
   std::array<int, 3> axes{1, 2, 3};
+  /// The axis of the coordinates as read that points up in pictures: y of OBJ, z of STL, by custom; y of formats that
+  /// name an axis, which are turned to it; of others up_axis() of the mesh.
+  Axis up = Axis::z;
 
   bool turned() const { return axes != std::array<int, 3>{1, 2, 3}; }
 };

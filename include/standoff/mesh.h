@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "standoff/axis.h"
 #include "standoff/export.h"
 #include "standoff/mesh_view.h"
 #include "standoff/vec.h"
@@ -33,6 +34,11 @@ STANDOFF_API void validate(MeshView mesh);
 
 /// The box around all corners of all triangles; empty for a mesh without triangles. Errors: input (index out of range).
 STANDOFF_API Box bounds(MeshView mesh);
+
+/// The axis that points up in pictures of a mesh of which nothing says it: that along which it stands on the flattest
+/// base, the largest share of its box that triangles cover at the bottom. Where no base, or no single one, is flat: z,
+/// else y. Errors: input (index out of range).
+STANDOFF_API Axis up_axis(MeshView mesh);
 
 /// A 64-bit hash of the vertices and triangles, in order. Equal meshes have equal hashes on every machine and in every
 /// memory layout.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ namespace standoff {
 struct PageMesh {
   std::string name;  ///< as the page shows it; any text, bytes that are no UTF-8 are replaced
   MeshView mesh;
+  std::optional<Axis> up = {};  ///< its axis that points up, if that is known (MeshReadReport::up)
 };
 
 /// A field that a page shows.
@@ -31,14 +33,17 @@ struct PageField {
 struct PageOptions {
   std::string title = {};  ///< the page's title; empty: the names of what it shows
   std::string unit = {};   ///< of lengths, as the legend names it: "mm"; empty: "world units"
-  Axis up = Axis::z;       ///< the axis that points up on the screen
+  /// The axis that points up on the screen. None: the first that a mesh or a field's provenance names; else up_axis()
+  /// of the first mesh; else z.
+  std::optional<Axis> up = {};
   /// A field with more samples than this in stored tiles, more than 2^24 tiles, or 2^14 samples along an axis, is
   /// thinned: the page holds every second, third .. sample per axis. 512 to 2^27.
   std::int64_t most_samples = std::int64_t{1} << 24;
   /// A mesh with more triangles than this is simplified. 1,000 to 50,000,000.
   std::int64_t most_triangles = 5'000'000;
   /// A mesh with more triangles than this gets a simplified one beside it, of at most two thirds as many as this, which
-  /// is drawn while the camera moves. 100 to 50,000,000.
+  /// is drawn while the camera moves; unless that would not look the same: then the page makes one, which keeps beams
+  /// and wires. 100 to 50,000,000.
   std::int64_t proxy_triangles = 70'000;
   int compression = 6;  ///< 0 (none) to 9 (smallest), as zlib has them
   /// The page asks the server that it came from for what it shows (view/README.md).
@@ -49,7 +54,7 @@ struct PageOptions {
 struct PageItem {
   std::string name;
   std::int64_t bytes = 0;  ///< packed, before they become text
-  /// Of a mesh: how many triangles the page holds, and those drawn while the camera moves; 0: it draws all of them.
+  /// Of a mesh: how many triangles the page holds, and those that it holds to be drawn while the camera moves.
   std::int64_t triangles = 0, proxy_triangles = 0;
   /// Of a field: every how many-th sample per axis the page holds.
   std::int64_t every = 0;
@@ -66,6 +71,9 @@ struct PageItem {
 /// options.most_triangles, where the library is built without meshoptimizer).
 STANDOFF_API std::string make_page(std::span<const PageMesh> meshes, std::span<const PageField> fields,
                                    const PageOptions& options = {}, std::vector<PageItem>* held = nullptr);
+
+/// The axis that points up in a page of these, where PageOptions::up is none. Errors: input (mesh).
+STANDOFF_API Axis up_axis(std::span<const PageMesh> meshes, std::span<const PageField> fields);
 
 /// Writes such a page; the file appears whole or not at all. Errors: as make_page(); output.
 STANDOFF_API void write_page(const std::filesystem::path& path, std::span<const PageMesh> meshes,

@@ -27,7 +27,9 @@ struct PictureOptions {
   double azimuth_deg = 35;    ///< the eye's angle about the up axis; 0: it looks along +y (z up) or -z (y up)
   double elevation_deg = 25;  ///< the eye's height above the horizon, -90 to 90
   bool perspective = true;    ///< false: parallel rays
-  Axis up = Axis::z;
+  /// The axis that points up. None: the first that a mesh layer or a field's provenance names; else up_axis() of the
+  /// first mesh; else z.
+  std::optional<Axis> up = {};
   double zoom = 1;  ///< enlarges the picture about its centre, 0.01 to 100
   int samples = 4;  ///< per pixel, at which triangles are seen: 1, 2, 4, 8 or 16
   Background background = Background::white;
@@ -56,6 +58,7 @@ struct MeshLayer {
   std::span<const Vec3> normals = {};
   /// A number for each vertex that colors it, world units; empty: `color`.
   std::span<const double> values = {};
+  std::optional<Axis> up = {};  ///< the mesh's axis that points up, if that is known (MeshReadReport::up)
 };
 
 /// A plane of a field, with contour lines; parts beyond the band are grey.

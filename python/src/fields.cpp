@@ -26,9 +26,11 @@ using DenseOutput = nb::ndarray<float, nb::shape<-1, -1, -1>, nb::f_contig, nb::
 
 nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                         const nb::handle& sign, const std::string& method, bool nearest, int threads,
-                        const std::string& device, std::int64_t memory_limit, const nb::object& progress) {
+                        const std::string& device, std::int64_t memory_limit, const std::string& up,
+                        const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
   ComputeOptions options = compute_options(sign, method, nearest, threads, device, memory_limit);
+  options.up = up_of(up);
   double seconds = 0;
   ComputeResult result = watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
@@ -41,9 +43,11 @@ nb::tuple compute_field(const VertexInput& vertices, const FaceInput& faces, con
 // The computation's dictionary has what became of the cache, too.
 nb::tuple compute_cached(const VertexInput& vertices, const FaceInput& faces, const GridInput& grid, double thickness,
                          const nb::handle& sign, const std::string& method, int threads, const std::string& device,
-                         std::int64_t memory_limit, const std::filesystem::path& folder, const nb::object& progress) {
+                         std::int64_t memory_limit, const std::string& up, const std::filesystem::path& folder,
+                         const nb::object& progress) {
   const MeshView mesh = view_of(vertices, faces);
   ComputeOptions options = compute_options(sign, method, false, threads, device, memory_limit);
+  options.up = up_of(up);
   double seconds = 0;
   FieldCache::Computed made = watched(progress, [&](const ProgressCallback& report) {
     options.progress = report;
@@ -256,14 +260,16 @@ void add_fields(nb::module_& m) {
   nb::class_<Provenance>(m, "Provenance")
       .def(
           "__init__",
-          [](Provenance* at, std::string method, std::uint64_t mesh_hash, std::string version, std::string sign) {
-            new (at) Provenance{std::move(method), mesh_hash, std::move(version), std::move(sign)};
+          [](Provenance* at, std::string method, std::uint64_t mesh_hash, std::string version, std::string sign,
+             const std::string& up) {
+            new (at) Provenance{std::move(method), mesh_hash, std::move(version), std::move(sign), up_of(up)};
           },
-          "method"_a, "mesh_hash"_a, "version"_a, "sign"_a)
+          "method"_a, "mesh_hash"_a, "version"_a, "sign"_a, "up"_a = "")
       .def_ro("method", &Provenance::method)
       .def_ro("mesh_hash", &Provenance::mesh_hash)
       .def_ro("version", &Provenance::version)
-      .def_ro("sign", &Provenance::sign);
+      .def_ro("sign", &Provenance::sign)
+      .def_prop_ro("up", [](const Provenance& from) { return from.up ? std::string(1, name_of(*from.up)) : ""; });
   nb::class_<DistanceField>(m, "Field")
       .def_prop_ro("shape", &shape_of)
       .def_prop_ro("origin",
@@ -295,9 +301,9 @@ void add_fields(nb::module_& m) {
         "provenance"_a);
   m.def("from_dense", &from_dense, "grid"_a, "thickness"_a, "values"_a.noconvert(), "provenance"_a);
   m.def("compute", &compute_field, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a, "sign"_a,
-        "method"_a, "nearest"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
+        "method"_a, "nearest"_a, "threads"_a, "device"_a, "memory_limit"_a, "up"_a, "progress"_a.none());
   m.def("compute_cached", &compute_cached, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
-        "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "cache"_a, "progress"_a.none());
+        "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "up"_a, "cache"_a, "progress"_a.none());
   m.def("compute_dense", &compute_dense, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,
         "out"_a.noconvert(), "sign"_a, "method"_a, "threads"_a, "device"_a, "memory_limit"_a, "progress"_a.none());
   m.def("dense_bytes", &dense_bytes, "vertices"_a.noconvert(), "faces"_a.noconvert(), "grid"_a, "thickness"_a,

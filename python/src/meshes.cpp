@@ -10,13 +10,14 @@
 namespace standoff::python {
 namespace {
 
-// (vertices, faces, notes); the arrays keep the memory that the reader filled.
+// (vertices, faces, notes, up); the arrays keep the memory that the reader filled.
 nb::tuple read_mesh_file(const std::filesystem::path& path, double scale) {
   auto [mesh, report] = watched(nb::none(), [&](const ProgressCallback& progress) {
     return read_mesh(path, {.scale = scale, .progress = progress});
   });
   return nb::make_tuple(array_over<double>(std::move(mesh.vertices)),
-                        array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report));
+                        array_over<std::uint32_t>(std::move(mesh.triangles)), notes(report),
+                        std::string(1, name_of(report.up)));
 }
 
 void write_mesh_file(const std::filesystem::path& path, const VertexInput& vertices, const FaceInput& faces,

@@ -30,6 +30,12 @@ std::size_t choice_of(const char* what, const std::string& name, std::span<const
   throw Error(ErrorCode::usage, std::string(what) + ": there is no '" + name + "'; take " + all);
 }
 
+std::optional<Axis> up_of(const std::string& name) {
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  if (name.empty()) return std::nullopt;
+  return static_cast<Axis>(choice_of("up", name, kAxes));
+}
+
 std::vector<int> devices_in(const std::string& device, Backend& backend) {
   const std::size_t colon = std::min(device.find(':'), device.size());
   const BackendInfo& info = row_of("device", device.substr(0, colon), kBackends);

@@ -2,11 +2,13 @@
 // Options as Python passes them. Names arrive checked: standoff/_options.py tells users which there are.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common.h"
+#include "standoff/axis.h"
 #include "standoff/execution.h"
 #include "standoff/grid.h"
 #include "standoff/sign.h"
@@ -46,6 +48,8 @@ nb::dict sign_dict(const SignReport& report);
 
 /// The entry of `names` that is `name`. Errors: usage.
 std::size_t choice_of(const char* what, const std::string& name, std::span<const char* const> names);
+/// The axis that points up; none for an empty name: the library finds it.
+std::optional<Axis> up_of(const std::string& name);
 /// The row that a name names, of a table of what the library has.
 template <class Info, std::size_t kCount>
 const Info& row_of(const char* what, const std::string& name, const Info (&rows)[kCount]) {

@@ -9,8 +9,6 @@
 namespace standoff::python {
 namespace {
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
-
 using NamedMesh = std::tuple<std::string, VertexInput, FaceInput>;
 
 nb::bytes page(const std::vector<NamedMesh>& meshes, const std::vector<std::string>& names, const nb::list& fields,
@@ -20,7 +18,7 @@ nb::bytes page(const std::vector<NamedMesh>& meshes, const std::vector<std::stri
   std::vector<PageField> shown_fields;
   for (std::size_t n = 0; n < names.size(); ++n)
     shown_fields.push_back({names[n], &nb::cast<const DistanceField&>(fields[n])});
-  const PageOptions options{.title = title, .unit = unit, .up = static_cast<Axis>(choice_of("up", up, kAxes))};
+  const PageOptions options{.title = title, .unit = unit, .up = up_of(up)};
   std::string html;
   {
     const Unlocked released;

@@ -38,11 +38,8 @@ void slice(const DistanceField& field, const std::filesystem::path& path, const 
 void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std::filesystem::path& path, int width,
                   int height, double azimuth, double elevation, const std::string& up) {
   const MeshView mesh = view_of(vertices, faces);
-  const PictureOptions options{.width = width,
-                               .height = height,
-                               .azimuth_deg = azimuth,
-                               .elevation_deg = elevation,
-                               .up = static_cast<Axis>(choice_of("up", up, kPictureAxes))};
+  const PictureOptions options{
+      .width = width, .height = height, .azimuth_deg = azimuth, .elevation_deg = elevation, .up = up_of(up)};
   const Unlocked released;
   write_mesh_png(path, mesh, options);
 }

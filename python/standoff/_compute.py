@@ -125,6 +125,7 @@ def field(
                 *settings,
                 *runs_on(threads, device),
                 limit,
+                found.up,
                 path_of(cache, "cache"),
                 report,
             )
@@ -141,6 +142,7 @@ def field(
                 nearest,
                 *runs_on(threads, device),
                 limit,
+                found.up,
                 report,
             )
         if dense is None:
@@ -161,7 +163,8 @@ def field(
     signs = sign_report(done.pop("sign"), asked, stacklevel=2)
     made = done.pop("provenance")
     del done["method"]
-    provenance = _core.Provenance(made.method, _core.content_hash(found.vertices, found.faces), made.version, made.sign)
+    hashed = _core.content_hash(found.vertices, found.faces)
+    provenance = _core.Provenance(made.method, hashed, made.version, made.sign, found.up)
     return DistanceField._make(where, half_width, provenance, dense=dense, sign=signs, computation=done)
 
 

@@ -128,9 +128,10 @@ class DistanceField:
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the values come from: ``method``, ``mesh_hash``, ``version`` and ``sign``; every file format keeps it."""
+        """Where the values come from: ``method``, ``mesh_hash``, ``version``, ``sign``, and ``up``, the axis of
+        the mesh that points up; empty: unknown. Every file format keeps it."""
         p = self._provenance
-        return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign}
+        return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign, "up": p.up}
 
     @property
     def computation(self) -> dict[str, Any] | None:
@@ -350,7 +351,7 @@ class DistanceField:
         mesh: Any = None,
         title: str = "",
         unit: str = "",
-        up: str = "z",
+        up: str = "auto",
         height: int = 560,
         browser: bool | None = None,
     ) -> Page:
@@ -363,7 +364,7 @@ class DistanceField:
             mesh: shown with the field; anything that `field` takes as a mesh.
             title: the page's title.
             unit: what the legend calls the unit of lengths: ``"mm"``.
-            up: the axis that points up: x, y or z.
+            up: the axis that points up: x, y or z; auto: that of the mesh, or the one that the field was made of.
             height: of the frame in a notebook, pixels.
             browser: whether to open the page in a browser; None: where no notebook runs.
         """

@@ -40,12 +40,13 @@ class Mesh:
         vertices: ``(n, 3)`` coordinates, world units. Gradients of `distance` and `MeshQuery.distance` flow into a tensor
             of torch that requires them.
         faces: ``(m, 3)`` indices into the vertices.
+        up: the axis that points up, if that is known.
 
     Raises:
         TypeError, ValueError: types or shapes that are no mesh's.
     """
 
-    __slots__ = ("_source", "faces", "notes", "vertices")
+    __slots__ = ("_source", "faces", "notes", "up", "vertices")
 
     vertices: np.ndarray
     """``(n, 3)`` float32 or float64."""
@@ -53,13 +54,18 @@ class Mesh:
     """``(m, 3)`` integers."""
     notes: tuple[str, ...]
     """What reading a file did to its coordinates, as sentences; mostly empty."""
+    up: str
+    """The axis that points up in pictures, ``"x"``, ``"y"`` or ``"z"``, as the file's format has it; empty: unknown."""
 
-    def __init__(self, vertices: Any, faces: Any, *, notes: tuple[str, ...] = ()) -> None:
+    def __init__(self, vertices: Any, faces: Any, *, notes: tuple[str, ...] = (), up: str = "") -> None:
         self.vertices = _vertices(vertices)
         # The tensor of the vertices, and the array that it gave: the attribute may be set to another one.
         self._source = (vertices, self.vertices) if wants_gradient(vertices) else None
         self.faces = _faces(faces)
         self.notes = tuple(notes)
+        if up not in ("", "x", "y", "z"):
+            raise ValueError(f"up: must be x, y, z or empty, not {up!r}")
+        self.up = up
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -132,14 +138,15 @@ class Mesh:
         _core.write_mesh(path_of(path), self.vertices, self.faces, flag(overwrite, "overwrite"))
 
     def plot(
-        self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "z"
+        self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "auto"
     ) -> Picture:
-        """A picture of the mesh, which notebooks show; see `Picture`."""
+        """A picture of the mesh, which notebooks show; see `Picture`. `up`: x, y, z, or auto: `Mesh.up`, or where that
+        is unknown the axis along which the mesh stands on the flattest base."""
         from ._picture import Picture
 
         size = whole_number(width, "width", bits=32), whole_number(height, "height", bits=32)
         view = number(azimuth, "azimuth"), number(elevation, "elevation")
-        above = name(up, "up")
+        above = upwards(up, [self])
         return Picture.drawn(lambda path: _core.write_picture(self.vertices, self.faces, path, *size, *view, above))
 
     def show(
@@ -147,7 +154,7 @@ class Mesh:
         *fields: DistanceField,
         title: str = "",
         unit: str = "",
-        up: str = "z",
+        up: str = "auto",
         height: int = 560,
         browser: bool | None = None,
     ) -> Page:
@@ -159,7 +166,7 @@ class Mesh:
             fields: shown with the mesh; two are compared.
             title: the page's title.
             unit: what the legend calls the unit of lengths: ``"mm"``.
-            up: the axis that points up: x, y or z.
+            up: the axis that points up: x, y or z; auto: `Mesh.up`, or that of the flattest base.
             height: of the frame in a notebook, pixels.
             browser: whether to open the page in a browser; None: where no notebook runs.
         """
@@ -179,11 +186,16 @@ class Mesh:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.vertices, self.faces, self.notes)
+        return _rebuild, (self.vertices, self.faces, self.notes, self.up)
 
 
-def _rebuild(vertices: np.ndarray, faces: np.ndarray, notes: tuple[str, ...]) -> Mesh:
-    return Mesh(vertices, faces, notes=notes)
+def _rebuild(vertices: np.ndarray, faces: np.ndarray, notes: tuple[str, ...], up: str = "") -> Mesh:
+    return Mesh(vertices, faces, notes=notes, up=up)
+
+
+def upwards(up: str, meshes: list[Mesh]) -> str:
+    """The axis that a picture or page is told; empty: the library finds it."""
+    return next((mesh.up for mesh in meshes if mesh.up), "") if name(up, "up") == "auto" else up
 
 
 def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
@@ -197,8 +209,8 @@ def read(path: PathLike, *, scale: float = 1.0) -> Mesh:
         LimitError: the mesh does not fit into memory.
     """
     expect_file(path)
-    vertices, faces, notes = _core.read_mesh(path, number(scale, "scale"))
-    return Mesh(vertices, faces, notes=tuple(notes))
+    vertices, faces, notes, up = _core.read_mesh(path, number(scale, "scale"))
+    return Mesh(vertices, faces, notes=tuple(notes), up=up)
 
 
 def as_mesh(mesh: Any) -> Mesh:

@@ -40,6 +40,7 @@ class Page:
     ) -> Page:
         """The page of these meshes and fields."""
         from ._field import DistanceField
+        from ._mesh import upwards
 
         for field in fields:
             if not isinstance(field, DistanceField):
@@ -54,7 +55,7 @@ class Page:
             [field._native() for field in fields],
             name(title, "title") or ("mesh" if not fields else "field" if len(fields) == 1 else "fields"),
             name(unit, "unit"),
-            name(up, "up"),
+            upwards(up, meshes),
         )
         return cls(html, rows)
 

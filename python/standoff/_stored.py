@@ -138,7 +138,7 @@ class StoredField:
     def provenance(self) -> dict[str, Any]:
         """Where the values come from, as `DistanceField.provenance`."""
         p = self._reader.store.provenance
-        return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign}
+        return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign, "up": p.up}
 
     @property
     def shard(self) -> tuple[int, int, int]:

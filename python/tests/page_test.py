@@ -77,3 +77,26 @@ def test_arguments_of_pages():
         field.show(5)
     with pytest.raises(so.MeshError):
         so.Mesh([[0, 0, 0]], [[0, 0, 7]]).show()
+
+
+def up_of(page):
+    return bytes(page).split(b'"up":"')[1][:1].decode()
+
+
+def test_what_points_up(tmp_path):
+    """A mesh knows it from its file's format, its field from the mesh; of arrays it is the axis of the flattest base."""
+    mesh = so.Mesh(*shapes.sphere(8))
+    for name, up in (("a.obj", "y"), ("a.stl", "z")):
+        mesh.save(tmp_path / name)
+        read = so.read(tmp_path / name)
+        field = so.field(read, resolution=16)
+        kept = tmp_path / "a.npz"
+        field.save(kept)
+        assert (read.up, field.provenance["up"], so.load(kept).provenance["up"]) == (up, up, up)
+        assert up_of(read.show()) == up_of(field.show()) == up and up_of(field.show(up="x")) == "x"
+        assert so.field(read, resolution=8, band=2).provenance["up"] == up
+    vertices = [[0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0.3, 0.3]]
+    on_x = so.Mesh(vertices, [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
+    assert on_x.up == "" and up_of(on_x.show()) == "x"
+    with pytest.raises(ValueError):
+        so.Mesh(vertices, [[0, 1, 2]], up="w")

@@ -191,6 +191,7 @@ FieldCache::Key FieldCache::key(MeshView mesh, const Grid& grid, double thicknes
   text += std::string("; method ") + find_info(options.method)->name + ", skip " +
           std::to_string(static_cast<int>(options.skip.kind)) + " " + exact_text(options.skip.fraction);
   if (file.window) text += "; window from " + three(file.window->first) + ", size " + three(file.window->size);
+  if (options.up) text += "; up " + axis_text(options.up);
   text += "; " + file.extension + (file.compress ? "" : " uncompressed");
   return {text, file.extension};
 } catch (...) {

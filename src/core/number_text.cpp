@@ -34,4 +34,11 @@ std::optional<std::uint64_t> hash_in(std::string_view text) {
   return hash;
 }
 
+std::string axis_text(std::optional<Axis> axis) { return axis ? std::string(1, name_of(*axis)) : ""; }
+
+std::optional<Axis> axis_in(std::string_view text) {
+  if (text.size() != 1 || text[0] < 'x' || text[0] > 'z') return std::nullopt;
+  return static_cast<Axis>(text[0] - 'x');
+}
+
 }  // namespace standoff

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "standoff/axis.h"
+
 namespace standoff {
 
 /// Text for people, with six digits: "0.02", "1e+21".
@@ -20,6 +22,9 @@ std::string whole_text(double value);
 /// "0x" and 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 std::optional<std::uint64_t> hash_in(std::string_view text);
+/// "x", "y" or "z"; empty: none.
+std::string axis_text(std::optional<Axis> axis);
+std::optional<Axis> axis_in(std::string_view text);
 
 /// Reads a number; nothing unless it is the whole text. Doubles may be "inf" and "nan".
 template <class Number>

@@ -97,7 +97,8 @@ void Computation::finish(std::int64_t triangles, const Counts& counts, std::uint
   report_.threads = plan_.threads;
   report_.samples = plan_.grid.sample_count();
   report_.tiles = tile_count(plan_.grid.size);
-  report_.provenance = {report_.method, hash, version(), written(sign_text_of(options_.sign, report_.sign))};
+  report_.provenance = {report_.method, hash, version(), written(sign_text_of(options_.sign, report_.sign)),
+                        options_.up};
 }
 
 namespace {

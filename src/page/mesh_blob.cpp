@@ -19,18 +19,18 @@ namespace standoff::page {
 
 bool can_simplify() { return true; }
 
-std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices,
-                                 std::size_t most) {
+std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices, std::size_t most,
+                                 float error) {
   std::vector<Triangle> out(triangles.size());
   const unsigned* const from = triangles.front().data();
   unsigned* const to = out.front().data();
-  // Any error is fine: what matters is the count. The first keeps the topology, and stops where that holds it up.
-  constexpr float kAnyError = 1e10f;
+  // This keeps the topology, and stops where that, or the error, holds it up.
   std::size_t indices = meshopt_simplify(to, from, 3 * triangles.size(), vertices.data(), vertices.size() / 3,
-                                         3 * sizeof(float), 3 * most, kAnyError, 0, nullptr);
+                                         3 * sizeof(float), 3 * most, error, 0, nullptr);
+  if (indices > 3 * most && error < kAnyShape) return {};
   if (indices > 3 * most)
     indices = meshopt_simplifySloppy(to, from, 3 * triangles.size(), vertices.data(), vertices.size() / 3,
-                                     3 * sizeof(float), 3 * most, kAnyError, nullptr);
+                                     3 * sizeof(float), 3 * most, error, nullptr);
   out.resize(indices / 3);
   out.shrink_to_fit();
   return out;
@@ -40,7 +40,7 @@ std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<
 
 bool can_simplify() { return false; }
 
-std::vector<Triangle> simplified(std::span<const Triangle>, std::span<const float>, std::size_t) { return {}; }
+std::vector<Triangle> simplified(std::span<const Triangle>, std::span<const float>, std::size_t, float) { return {}; }
 
 #endif
 
@@ -123,7 +123,7 @@ std::string coded_by_difference(std::span<const Triangle> triangles) {
 
 }  // namespace
 
-LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options) {
+LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options, float proxy_error) {
   validate(mesh);
   const Box box = bounds(mesh);
   LatticeMesh made;
@@ -158,7 +158,8 @@ LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options) {
       made.simplified = true;
     }
     // Fewer than where a mesh is drawn as it is, so that a processor without a graphics card draws ten in a second.
-    if (made.triangles.size() > proxy_most) made.proxy = simplified(made.triangles, vertices, proxy_most * 2 / 3);
+    if (made.triangles.size() > proxy_most)
+      made.proxy = simplified(made.triangles, vertices, proxy_most * 2 / 3, proxy_error);
   }
   if (made.simplified) {  // many vertices have no triangle now
     std::vector<Vec3> kept(used.size());
@@ -183,8 +184,8 @@ LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options) {
   return made;
 }
 
-std::string mesh_blob(const PageMesh& mesh, const PageOptions& options, PageItem* held) {
-  const LatticeMesh made = lattice_mesh(mesh.mesh, options);
+std::string mesh_blob(const PageMesh& mesh, const PageOptions& options, PageItem* held, float proxy_error) {
+  const LatticeMesh made = lattice_mesh(mesh.mesh, options, proxy_error);
   const auto count = [](std::size_t n) { return json_number(static_cast<std::int64_t>(n)); };
   JsonObject header;
   header.add("kind", "\"mesh\"")

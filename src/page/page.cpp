@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "page/page.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,9 +8,11 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
+#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "files/deflate.h"
 #include "render/image.h"
+#include "standoff/color.h"
 #include "standoff/error.h"
 #include "standoff/page.h"
 
@@ -156,13 +157,22 @@ std::string colors(Colormap map) {
   return json_string(text);
 }
 
+// The colors of bodies as CSS has them, in JSON.
+std::string body_colors() {
+  std::string list;
+  for (const Color& color : kBodyColors)
+    list += (list.empty() ? "[\"rgb(" : ",\"rgb(") + std::to_string(color[0]) + " " + std::to_string(color[1]) + " " +
+            std::to_string(color[2]) + ")\"";
+  return list + "]";
+}
+
 std::string config(std::string_view title, const PageOptions& options) {
-  constexpr std::array kAxes{"x", "y", "z"};
   return JsonObject()
       .add("title", json_string(title))
       .add("source", options.served ? "\"server\"" : "\"embedded\"")
       .add("unit", json_string(options.unit))
-      .add("up", json_string(kAxes[static_cast<std::size_t>(options.up)]))
+      .add("up", json_string(axis_text(options.up.value_or(Axis::z))))
+      .add("bodies", body_colors())
       .add("colormaps", JsonObject()
                             .add("viridis", colors(Colormap::viridis))
                             .add("diverging", colors(Colormap::diverging))
@@ -226,7 +236,7 @@ void check(const PageOptions& options) {
   expect_between("most_triangles", options.most_triangles, 1000, 50'000'000);
   expect_between("proxy_triangles", options.proxy_triangles, 100, 50'000'000);
   expect_between("compression", options.compression, 0, 9);
-  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+  if (options.up && *options.up != Axis::x && *options.up != Axis::y && *options.up != Axis::z)
     throw Error(ErrorCode::usage, "PageOptions::up is no axis; give Axis::x, y or z");
 }
 
@@ -246,12 +256,24 @@ std::string made(std::span<const PageMesh> meshes, std::span<const PageField> fi
   std::vector<PageItem> items;
   for (const PageMesh& mesh : meshes) blobs.push_back(page::mesh_blob(mesh, options, &items.emplace_back()));
   for (const PageField& field : fields) blobs.push_back(page::field_blob(field, options, &items.emplace_back()));
-  std::string html = page::html(title_of(meshes, fields, options), options, blobs);
+  PageOptions upright = options;
+  if (!options.up) upright.up = up_axis(meshes, fields);
+  std::string html = page::html(title_of(meshes, fields, options), upright, blobs);
   if (held) *held = std::move(items);
   return html;
 }
 
 }  // namespace
+
+Axis up_axis(std::span<const PageMesh> meshes, std::span<const PageField> fields) try {
+  std::vector<std::optional<Axis>> known;
+  for (const PageMesh& mesh : meshes) known.push_back(mesh.up);
+  for (const PageField& field : fields)
+    if (field.field) known.push_back(field.field->provenance().up);
+  return first_up(known, meshes.empty() ? nullptr : &meshes[0].mesh);
+} catch (...) {
+  throw_as_error("up_axis");
+}
 
 std::string make_page(std::span<const PageMesh> meshes, std::span<const PageField> fields, const PageOptions& options,
                       std::vector<PageItem>* held) {

@@ -85,17 +85,24 @@ struct LatticeMesh {
   bool simplified = false;      ///< there were more than options.most_triangles
 };
 
-LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options);
+/// Distances to a simplified surface, in parts of the mesh's size: a few pixels of a picture; or any, where things are
+/// small on it.
+inline constexpr float kSameShape = 0.004F, kAnyShape = 1e10F;
+
+/// There is a proxy where few enough triangles are no farther than `proxy_error` from the surface. Of other meshes,
+/// those of beams and wires, pages make one themselves (view/page/stand_in.js).
+LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options, float proxy_error = kSameShape);
 /// Fills `held`, unless null.
-std::string mesh_blob(const PageMesh& mesh, const PageOptions& options, PageItem* held);
+std::string mesh_blob(const PageMesh& mesh, const PageOptions& options, PageItem* held, float proxy_error = kSameShape);
 
 /// Whether this build has meshoptimizer, which simplifies meshes.
 bool can_simplify();
 
 /// At most `most` triangles over the same vertices that look like the given ones; `most` is less than there are. The
-/// vertices are any three floats each. Empty where this build cannot simplify.
-std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices,
-                                 std::size_t most);
+/// vertices are any three floats each. Empty where this build cannot simplify, or not without a larger error, in parts
+/// of their box's longest side.
+std::vector<Triangle> simplified(std::span<const Triangle> triangles, std::span<const float> vertices, std::size_t most,
+                                 float error = kAnyShape);
 
 /// Whole numbers that stand for a field's values. What is finite lies within kMostCode.
 inline constexpr std::int32_t kMostCode = 32766;

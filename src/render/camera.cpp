@@ -62,9 +62,10 @@ Camera::Camera(const PictureOptions& options) : perspective_(options.perspective
   const Turn turn = turn_of(options.azimuth_deg), rise = turn_of(options.elevation_deg);
   const Vec3 back{rise.cosine * turn.sine, -rise.cosine * turn.cosine, rise.sine};
   const Vec3 right{turn.cosine, turn.sine, 0};
-  right_ = from_z_up(right, options.up);
-  back_ = from_z_up(back, options.up);
-  up_ = from_z_up(cross(back, right), options.up);
+  const Axis up = options.up.value_or(Axis::z);
+  right_ = from_z_up(right, up);
+  back_ = from_z_up(back, up);
+  up_ = from_z_up(cross(back, right), up);
 }
 
 Framing::Framing(double least_u, double least_v, double most_u, double most_v, const Room& room, double zoom)

@@ -27,11 +27,17 @@ std::vector<std::uint8_t> png_of(const Image& image) {
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_RGB;
+  header.format = image.alpha.empty() ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
   header.flags = PNG_IMAGE_FLAG_FAST;  // a third of the time; files of pictures are about as large
   png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> encoded(bytes);
-  if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, image.pixels.data(), 0, nullptr))
+  std::vector<std::uint8_t> with_alpha;
+  for (std::size_t n = 0; n < image.alpha.size(); ++n) {
+    with_alpha.insert(with_alpha.end(), image.pixels[n].begin(), image.pixels[n].end());
+    with_alpha.push_back(image.alpha[n]);
+  }
+  const void* const pixels = image.alpha.empty() ? static_cast<const void*>(image.pixels.data()) : with_alpha.data();
+  if (!png_image_write_to_memory(&header, encoded.data(), &bytes, 0, pixels, 0, nullptr))
     throw Error(ErrorCode::internal,
                 std::string("libpng cannot encode the picture: ") + header.message + "; please report this");
   encoded.resize(bytes);
@@ -154,6 +160,21 @@ Float3 linear_of(Color color) {
 Color color_of_light(Float3 linear) {
   const SrgbTables& t = srgb_tables();
   return {code_of(t, linear.x), code_of(t, linear.y), code_of(t, linear.z)};
+}
+
+Image without_paper(const Image& on_white, const Image& on_black) {
+  Image picture = on_black;
+  picture.alpha.resize(picture.pixels.size());
+  for (std::size_t n = 0; n < picture.pixels.size(); ++n) {
+    // Viewers blend what is stored, without its linear light: channels differ a little in how much shines through.
+    int paper = 0;
+    for (std::size_t c = 0; c < 3; ++c) paper += on_white.pixels[n][c] - on_black.pixels[n][c];
+    const int opaque = 255 - std::max((paper + 1) / 3, 0);
+    picture.alpha[n] = static_cast<std::uint8_t>(opaque);
+    for (std::uint8_t& channel : picture.pixels[n])
+      channel = static_cast<std::uint8_t>(opaque > 0 ? std::min(255, (channel * 255 + opaque / 2) / opaque) : 0);
+  }
+  return picture;
 }
 
 }  // namespace standoff

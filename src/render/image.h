@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct Image {
   int width = 0;
   int height = 0;
   std::vector<Color> pixels;
+  std::vector<std::uint8_t> alpha = {};  ///< of each pixel; empty: all are opaque
 
   Image(int w, int h, Color background)
       : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), background) {}
@@ -41,6 +43,9 @@ struct Image {
       for (int column = x; column < x + w; ++column) set(column, row, color);
   }
 };
+
+/// The picture that lies on white and on black paper, without paper: what differs between both shines through.
+Image without_paper(const Image& on_white, const Image& on_black);
 
 /// Throws Error{usage} when this build cannot write pictures; call it before drawing one.
 void require_png();

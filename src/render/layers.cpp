@@ -41,6 +41,8 @@ class ShapeBuilder {
   /// Call this first, with the most that will be added: memory is then allocated once.
   void reserve(std::size_t balls, std::size_t tubes);
   void add_ball(Float3 center, float value = 0);
+  /// One that is lit as a surface with this normal.
+  void add_ball(Float3 center, float value, Float3 normal);
   /// The tube has no caps.
   void add_tube(Float3 from, Float3 to, float value_from = 0, float value_to = 0);
   /// Call this when all is added.
@@ -174,6 +176,11 @@ void ShapeBuilder::add_ball(Float3 center, float value) {
   for (const auto& [a, b, c] : ball_triangles_) part_.own.push_back({first + a, first + b, first + c});
 }
 
+void ShapeBuilder::add_ball(Float3 center, float value, Float3 normal) {
+  add_ball(center, value);
+  std::fill(part_.normals.end() - static_cast<std::ptrdiff_t>(ball_.size()), part_.normals.end(), normal);
+}
+
 void ShapeBuilder::add_tube(Float3 from, Float3 to, float value_from, float value_to) {
   const Float3 along = unit_or(to - from, {});
   if (along.x == 0 && along.y == 0 && along.z == 0) return;
@@ -198,6 +205,8 @@ void ShapeBuilder::add_tube(Float3 from, Float3 to, float value_from, float valu
 // Layers.
 
 constexpr Color kLineColor{40, 44, 52};
+// Balls of a smaller radius are lit as the surface that they make: the shades of each would make moire.
+constexpr float kFewPixels = 1.5F;
 constexpr float kPointPixels = 4, kPathPixels = 1.8F, kLinePixels = 0.7F;  // default radii
 
 float radius_in(const UnitSpace& space, double radius, float otherwise) {
@@ -206,7 +215,8 @@ float radius_in(const UnitSpace& space, double radius, float otherwise) {
 
 float radius_of(const BandLayer& band, const UnitSpace& space) {
   const Vec3 spacing = band.field->grid().spacing;
-  return 0.3F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
+  // They touch: gaps of about a pixel make moire.
+  return 0.62F * static_cast<float>(std::min({spacing.x, spacing.y, spacing.z}) / space.world(1.0));
 }
 
 template <class Use>
@@ -294,8 +304,12 @@ NumberRange number_range(const Drawing& drawing) {
   for (const MeshLayer& layer : drawing.meshes) include_all(layer.values);
   for (const PointLayer& layer : drawing.points) include_all(layer.values);
   for (const PathLayer& layer : drawing.paths) include_all(layer.values);
+  const bool automatic = drawing.colormap == Colormap::automatic;
   for (const SliceLayer& slice : drawing.slices) {
-    for (const float value : plane_of(*slice.field, options_of(slice)).values) range.include(value);
+    const std::vector<float> values = plane_of(*slice.field, options_of(slice)).values;
+    const auto end = automatic && !slice.field->has_sign() ? early_end(values) : std::nullopt;
+    range.ends_early |= end.has_value();
+    for (const float value : values) range.include(end ? std::min(value, *end) : value);
     range.thickness = std::min(range.thickness, slice.field->thickness());
   }
   for (const BandLayer& band : drawing.bands) {
@@ -355,9 +369,15 @@ void add_bands(const Drawing& drawing, const UnitSpace& space, float pixel, std:
     const float radius = radius_of(band, space);
     DrawnPart part;
     part.casts_shadow = false;  // so many balls would darken each other
+    part.exact_normals = radius < kFewPixels * pixel;
     ShapeBuilder shapes(part, radius, Roundness::of(radius / pixel), true);
     shapes.reserve(count_of(band), 0);
-    for_band_samples(band, [&](Vec3 p, float value) { shapes.add_ball(space.placed(p), value); });
+    for_band_samples(band, [&](Vec3 p, float value) {
+      if (!part.exact_normals) return shapes.add_ball(space.placed(p), value);
+      const Vec3 g = band.field->gradient(p, Outside::border);
+      const Float3 normal{static_cast<float>(g.x), static_cast<float>(g.y), static_cast<float>(g.z)};
+      shapes.add_ball(space.placed(p), value, unit_or(normal, {0, 0, 1}));
+    });
     shapes.finish();
     parts.push_back(std::move(part));
   }

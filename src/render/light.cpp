@@ -241,11 +241,17 @@ Shader::Seen Shader::of_slice(const SeenPart& part, const Triangle& v, float x, 
     seen.color = mixed(scenery_.inside, seen.color, share_above(-slice.thickness()));
   }
   const float per_pixel = steepness(right.value - value, down.value - value);
+  if (const float level = slice.surface_level(); value < level && level > 0)
+    seen.color = mixed(seen.color, {1, 1, 1}, kZeroShare * std::clamp((level - value) / per_pixel + 0.5F, 0.0F, 1.0F));
   if (!(scenery_.contour_step > 0) || !(per_pixel > 0) || std::abs(edge) > slice.thickness()) return seen;
   const double line = std::round(value / scenery_.contour_step);
   const double away = std::abs(value - line * scenery_.contour_step) / per_pixel;
+  // Lines nearer than eight pixels would hide the colors.
+  const auto apart = static_cast<float>(scenery_.contour_step) / per_pixel;
+  const float share = kLineShare * std::clamp((apart - 8) / 4, 0.0F, 1.0F);
+  if (line == 0 && slice.surface_level() > 0) return seen;
   const float covered =
-      line == 0 ? kZeroShare * covered_by_line(away, kZeroLine / 2) : kLineShare * covered_by_line(away, kLine / 2);
+      line == 0 ? kZeroShare * covered_by_line(away, kZeroLine / 2) : share * covered_by_line(away, kLine / 2);
   // A line is as opaque as it is dark, where the rest is see-through.
   return {seen.color * (1 - covered), std::max(opacity, covered)};
 }
@@ -270,7 +276,10 @@ Float3 Shader::color(const SeenPart& part, const Triangle& v, float x, float y) 
   Float3 flat = unit_or(cross(b - a, c - a), unit_or(eye, {0, 0, 1}));
   if (dot(flat, eye) < 0) flat = flat * -1;
   Float3 normal = flat;
-  if (!p.normals.empty()) {
+  if (p.exact_normals) {
+    const Float3 given = p.normals[v[0]];
+    normal = dot(given, eye) < 0 ? given * -1 : given;
+  } else if (!p.normals.empty()) {
     const auto of_corner = [&](std::uint32_t n) {
       const float with = dot(p.normals[n], flat);
       return std::abs(with) < kCrease ? flat : p.normals[n] * (with < 0 ? -1.0F : 1.0F);

@@ -37,7 +37,8 @@ struct DrawnPart {
   float opacity = 1;            ///< of a slice: where its values are not negative; elsewhere it is opaque
   bool lit = true;              ///< false: shown in its color, whatever the light
   bool casts_shadow = true;
-  bool moves = false;  ///< stands elsewhere in other pictures of the same stage
+  bool exact_normals = false;  ///< light falls on the normals as they are, whatever the triangles
+  bool moves = false;          ///< stands elsewhere in other pictures of the same stage
   /// Colors each pixel by a plane's value there, if not null.
   std::shared_ptr<const SliceTexture> slice;
   std::vector<std::array<float, 2>> on_slice;  ///< of the vertices: samples to the right and up
@@ -86,6 +87,7 @@ std::vector<std::array<std::uint32_t, 2>> feature_edges(const DrawnPart& part);
 struct NumberRange {
   double least = std::numeric_limits<double>::infinity(), greatest = -least;
   double thickness = least;  ///< of the fields: numbers of this magnitude stand for all beyond
+  bool ends_early = false;   ///< whether a few numbers are greater
 
   bool empty() const { return !(least <= greatest); }
   void include(double value) {

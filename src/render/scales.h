@@ -70,6 +70,10 @@ class Legend {
   const std::vector<Tick>& ticks() const { return ticks_; }
   /// Pixels from the bar's left edge to the end of the longest words, if all is drawn at `scale`.
   int width(double scale) const;
+  /// The greatest value stands for greater ones too.
+  void end_early() {
+    if (!beyond_outside_) greatest_label_ = "\u2265 " + greatest_label_;
+  }
   /// Draws colors of values that are not negative as they look over paper with an opacity, 0 to 1.
   void show_through(double opacity) { outside_opacity_ = static_cast<float>(opacity); }
   /// Draws the bar and its words, `height` pixels high in all, the top left corner at (x, y). At scale 1 words have 14

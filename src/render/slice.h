@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "render/image.h"
@@ -43,6 +44,14 @@ PlaneScores plane_scores(const DistanceField& field);
 /// do among all that show 90 % of the most.
 std::int64_t best_plane(const std::vector<std::int64_t>& scores);
 
+/// The end of the colors for values without a sign, most of which would look alike if the few farthest had colors of
+/// their own: the least value that 95 % do not exceed, where that is well below the greatest; else none.
+std::optional<float> early_end(const std::vector<float>& values);
+
+/// From where on, in world units, samples of an unsigned field count as its surface: values between samples on both
+/// sides of it are hardly ever 0. 0 for fields with a sign.
+float surface_level(const DistanceField& field);
+
 /// The plane, with clamped values next to the band replaced by values extrapolated from the two samples before them. So
 /// the level `thickness` of values interpolated between samples is where the band ends, as smooth as any other level;
 /// between clamped values it would follow the squares of the samples.
@@ -68,6 +77,7 @@ class SliceTexture {
 
   const Plane& plane() const { return plane_; }
   float thickness() const { return thickness_; }
+  float surface_level() const { return surface_level_; }
 
   struct Values {
     float value;  ///< linear between samples; not finite beside those that are not
@@ -78,7 +88,7 @@ class SliceTexture {
 
  private:
   Plane plane_, extended_;
-  float thickness_;
+  float thickness_, surface_level_;
 };
 
 /// The picture of a plane, before it becomes a file.

@@ -23,6 +23,7 @@ constexpr double kSquareSide = 12;  // samples of so many pixels are shown as sq
 // Pixels at scale 1.
 constexpr double kSliceMargin = 20, kSliceGap = 26, kTitle = 19, kTitleLine = 27, kSliceText = 14, kTextLine = 26;
 constexpr double kMinLegend = 190;  // lower, its numbers would touch
+constexpr double kLevelsApart = 8;  // pixels between lines; nearer ones would hide the colors
 constexpr double kLevelLine = 1, kZeroLevelLine = 1.8, kLevelLineShare = 0.4;
 
 struct Extent {
@@ -108,6 +109,16 @@ void draw_level(const std::vector<float>& between, double level, double line_wid
     }
 }
 
+// Draws what is nearer to the surface than `level`; `pixels`: of a world unit.
+void draw_surface(const std::vector<float>& between, float level, double pixels, SlicePicture& picture) {
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const double inside = (level - between[static_cast<std::size_t>(y) * picture.width + x]) * pixels;
+      if (inside > -0.5)
+        picture.image.blend(picture.left + x, picture.top + y, {255, 255, 255}, std::min(inside + 0.5, 1.0));
+    }
+}
+
 // Where the parts of the picture lie, and its words.
 struct Layout {
   double scale = 1;
@@ -161,6 +172,8 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   if (options.pixels < 1 || options.pixels > kMaxSide)
     throw Error(ErrorCode::usage,
                 "slice: the picture's size must be 1 to " + std::to_string(kMaxSide) + " pixels; 512 is usual");
+  if (options.background == Background::transparent)
+    throw Error(ErrorCode::usage, "slice: there is no transparent background; take white or dark");
   check_words("title", options.title);
   check_words("unit", options.unit);
   check_words("legend", options.legend);
@@ -169,11 +182,14 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   const bool is_signed = field.has_sign();
   Colormap map = options.colormap;
   if (map == Colormap::automatic) map = is_signed ? Colormap::diverging : Colormap::viridis;
-  const ValueRange range = finite_range(plane);
+  ValueRange range = finite_range(plane);
+  const auto end = !is_signed && options.colormap == Colormap::automatic ? early_end(plane.values) : std::nullopt;
+  if (end) range.greatest = *end;
   const Theme theme = theme_of(options.background);
   const auto thickness = static_cast<float>(field.thickness());  // as values are clamped to it
-  const Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest, thickness, map, theme,
-                      options.legend.empty() ? with_unit("distance", options.unit) : options.legend);
+  Legend legend(range.empty() ? 0 : range.least, range.empty() ? 0 : range.greatest, thickness, map, theme,
+                options.legend.empty() ? with_unit("distance", options.unit) : options.legend);
+  if (end) legend.end_early();
 
   SlicePicture picture{Image(extent.width, extent.height, theme.paper), 0, 0, extent.width, extent.height};
   Layout layout;
@@ -203,11 +219,17 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
     draw_between(plane, between, thickness, legend, theme, picture);
   // Words grow with the picture, lines do not grow beyond what is drawn well.
   const double line = std::min(layout.scale, 2 / kZeroLevelLine);
-  if (options.contours && !squares)
-    for (const Tick& tick : legend.ticks())
-      if (!range.empty() && (tick.value != 0 || !is_signed))
+  const double pixels = extent.width / (static_cast<double>(plane.width) * plane.step_right);  // of a world unit
+  const std::vector<Tick>& ticks = legend.ticks();
+  const bool apart = ticks.size() < 2 || (ticks[1].value - ticks[0].value) * pixels >= kLevelsApart * line;
+  if (options.contours && !squares && apart)
+    for (const Tick& tick : ticks)
+      if (!range.empty() && tick.value != 0)
         draw_level(between, tick.value, kLevelLine * line, kLevelLineShare, picture);
-  if (is_signed) draw_level(between, 0, kZeroLevelLine * line, 1, picture);
+  if (is_signed)
+    draw_level(between, 0, kZeroLevelLine * line, 1, picture);
+  else if (options.colormap == Colormap::automatic && !squares)
+    draw_surface(between, surface_level(field), pixels, picture);
   if (options.bare) return picture;
 
   draw_words(layout, theme, picture);

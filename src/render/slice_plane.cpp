@@ -408,10 +408,26 @@ struct Neighbours {
 
 }  // namespace
 
+std::optional<float> early_end(const std::vector<float>& values) {
+  constexpr double kShare = 0.95;
+  std::vector<float> finite;
+  std::ranges::copy_if(values, std::back_inserter(finite), [](float value) { return std::isfinite(value); });
+  if (finite.empty()) return std::nullopt;
+  const auto end = finite.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(finite.size() - 1));
+  std::ranges::nth_element(finite, end);
+  const float greatest = *std::max_element(end, finite.end());
+  return *end > 0 && *end < 0.9F * greatest ? std::optional(*end) : std::nullopt;
+}
+
+float surface_level(const DistanceField& field) {
+  return field.has_sign() ? 0 : static_cast<float>(0.6 * field.grid().max_spacing());
+}
+
 SliceTexture::SliceTexture(const DistanceField& field, const SliceOptions& where)
     : plane_(plane_of(field, where)),
       extended_(beyond_band(plane_, static_cast<float>(field.thickness()))),
-      thickness_(static_cast<float>(field.thickness())) {}
+      thickness_(static_cast<float>(field.thickness())),
+      surface_level_(standoff::surface_level(field)) {}
 
 SliceTexture::Values SliceTexture::at(float right, float up) const {
   const Neighbours r(right, plane_.width), u(up, plane_.height);

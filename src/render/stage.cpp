@@ -13,6 +13,7 @@
 #include "core/guarded.h"
 #include "core/memory.h"
 #include "core/threads.h"
+#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "render/image.h"
 #include "render/light.h"
@@ -76,13 +77,14 @@ void check(const PictureOptions& options) {
     if (side < 16 || side > 8192) refuse("width and height must be 16 to 8192 pixels; 1280 by 960 is usual");
   if (!std::isfinite(options.azimuth_deg)) refuse("the azimuth must be finite; give degrees");
   if (!(std::abs(options.elevation_deg) <= 90)) refuse("the elevation must be -90 to 90 degrees; 0 is level");
-  if (options.up != Axis::x && options.up != Axis::y && options.up != Axis::z)
+  if (options.up && *options.up != Axis::x && *options.up != Axis::y && *options.up != Axis::z)
     refuse("there is no such axis; take x, y or z");
   if (!(options.zoom >= 0.01 && options.zoom <= 100)) refuse("the zoom must be 0.01 to 100; 1 shows everything");
   if (static_cast<int>(sample_places(options.samples).size()) != options.samples)
     refuse("a pixel has 1, 2, 4, 8 or 16 samples; 4 is usual");
-  if (options.background != Background::white && options.background != Background::dark)
-    refuse("there is no such background; take white or dark");
+  if (options.background != Background::white && options.background != Background::dark &&
+      options.background != Background::transparent)
+    refuse("there is no such background; take white, dark or transparent");
 }
 
 // An upper bound for the field of shadows, wherever its triangles lie.
@@ -207,7 +209,7 @@ void Stage::move(const Drawing& moving) {
 void Stage::keep(const Camera& camera, const Extent& extent) {
   parts_.resize(standing_);
   kept_.reset();
-  kept_ = draw_parts(camera, framing(extent));
+  kept_ = draw_parts(camera, framing(extent), theme_.paper);
 }
 
 void Stage::add_numbers(const Drawing& drawing) {
@@ -216,14 +218,15 @@ void Stage::add_numbers(const Drawing& drawing) {
   Colormap map = drawing.colormap;
   if (map == Colormap::automatic) map = range.least < 0 || any_sign(drawing) ? Colormap::diverging : Colormap::viridis;
   legend_.emplace(range.least, range.greatest, static_cast<float>(range.thickness), map, theme_, drawing.quantity);
+  if (range.ends_early) legend_->end_early();
   if (const auto opacity = opacity_of_numbers(drawing)) legend_->show_through(*opacity);
   ramp_ = Ramp(*legend_, range.least, range.greatest, theme_);
   if (const auto& ticks = legend_->ticks(); ticks.size() > 1) contour_step_ = ticks[1].value - ticks[0].value;
 }
 
 Float3 Stage::up() const {
-  return {options_.up == Axis::x ? 1.0F : 0.0F, options_.up == Axis::y ? 1.0F : 0.0F,
-          options_.up == Axis::z ? 1.0F : 0.0F};
+  const Axis up = options_.up.value_or(Axis::z);
+  return {up == Axis::x ? 1.0F : 0.0F, up == Axis::y ? 1.0F : 0.0F, up == Axis::z ? 1.0F : 0.0F};
 }
 
 Framing::Room Stage::room() const {
@@ -257,7 +260,7 @@ Framing Stage::framing(const Extent& extent) const {
   return {extent.least_u, extent.least_v, extent.most_u, extent.most_v, room(), options_.zoom};
 }
 
-Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
+Image Stage::draw_parts(const Camera& camera, const Framing& framing, Color paper) const {
   std::vector<SeenPart> seen;
   std::uint64_t triangles = 0;
   for (const DrawnPart& part : parts_) {
@@ -288,7 +291,7 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
                         linear_of(theme_.outside),
                         linear_of(theme_.inside),
                         options_.perspective};
-  Image image = kept_ ? *kept_ : Image(options_.width, options_.height, theme_.paper);
+  Image image = kept_ ? *kept_ : Image(options_.width, options_.height, paper);
   const Bins moving(seen, options_.width, options_.height, places, [](const DrawnPart& p) { return p.moves; });
   PerThread<TileDrawer> drawers([&] { return TileDrawer(seen, places); });
   tbb::parallel_for(0, opaque.tiles(), [&](int tile) {
@@ -297,7 +300,7 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
       moving.for_each(tile, [&](const SeenPart&, std::uint32_t) { moves = true; });
       if (!moves) return;
       const PixelRange pixels = moving.pixels(tile);
-      image.fill(pixels.left, pixels.top, pixels.right - pixels.left + 1, pixels.bottom - pixels.top + 1, theme_.paper);
+      image.fill(pixels.left, pixels.top, pixels.right - pixels.left + 1, pixels.bottom - pixels.top + 1, paper);
     }
     drawers.local().draw(opaque, clear, tile, scenery, image);
   });
@@ -305,7 +308,12 @@ Image Stage::draw_parts(const Camera& camera, const Framing& framing) const {
 }
 
 Image Stage::draw(const Camera& camera, const Extent& extent) const {
-  Image image = draw_parts(camera, framing(extent));
+  if (options_.background != Background::transparent) return draw_on(theme_.paper, camera, extent);
+  return without_paper(draw_on({255, 255, 255}, camera, extent), draw_on({0, 0, 0}, camera, extent));
+}
+
+Image Stage::draw_on(Color paper, const Camera& camera, const Extent& extent) const {
+  Image image = draw_parts(camera, framing(extent), paper);
   const int margin = static_cast<int>(kMargin * std::min(options_.width, options_.height));
   if (options_.legend && legend_)
     legend_->draw(image, options_.width - margin - legend_->width(words_), options_.height / 5, options_.height * 3 / 5,
@@ -334,8 +342,23 @@ Drawing drawing_of(MeshView mesh) {
 
 }  // namespace
 
-Image draw_picture(const Drawing& drawing, const PictureOptions& options) {
-  return on_threads(options, [&] {
+PictureOptions upright(const Drawing& drawing, const PictureOptions& options) {
+  PictureOptions found = options;
+  if (options.up) return found;
+  std::vector<std::optional<Axis>> known;
+  const auto add = [&](const DistanceField* field) {
+    if (field) known.push_back(field->provenance().up);
+  };
+  for (const MeshLayer& mesh : drawing.meshes) known.push_back(mesh.up);
+  for (const SliceLayer& slice : drawing.slices) add(slice.field);
+  for (const BandLayer& band : drawing.bands) add(band.field);
+  found.up = first_up(known, drawing.meshes.empty() ? nullptr : &drawing.meshes[0].mesh);
+  return found;
+}
+
+Image draw_picture(const Drawing& drawing, const PictureOptions& given) {
+  return on_threads(given, [&] {
+    const PictureOptions options = upright(drawing, given);
     const Stage stage(drawing, options);
     const Camera camera(options);
     return stage.draw(camera, stage.extent(camera));
@@ -367,12 +390,13 @@ std::filesystem::path turntable_file(const std::filesystem::path& path, int n) {
   return file.replace_filename(path.stem().string() + "-" + number + path.extension().string());
 }
 
-void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count,
-                     const PictureOptions& options, Existing existing) try {
+void write_turntable(const std::filesystem::path& path, const Drawing& drawing, int count, const PictureOptions& given,
+                     Existing existing) try {
   require_png();
   if (count < 1 || count > kMostTurns)
     throw Error(ErrorCode::usage,
                 "picture: a turntable has 1 to " + std::to_string(kMostTurns) + " pictures; 36 is usual");
+  const PictureOptions options = upright(drawing, given);
   const auto camera_of = [&](int n) {
     PictureOptions turned = options;
     turned.azimuth_deg += 360.0 * n / count;

@@ -42,7 +42,8 @@ class Stage {
   void keep(const Camera& camera, const Extent& extent);
 
  private:
-  Image draw_parts(const Camera& camera, const Framing& framing) const;
+  Image draw_on(Color paper, const Camera& camera, const Extent& extent) const;
+  Image draw_parts(const Camera& camera, const Framing& framing, Color paper) const;
   Framing framing(const Extent& extent) const;
   void add_numbers(const Drawing& drawing);
   DrawnPart made_of(const MeshLayer& layer, std::vector<char> unused) const;
@@ -66,6 +67,8 @@ class Stage {
   double contour_step_ = 0;
 };
 
+/// The options with the axis that points up, whether it was given or not. Errors: input (mesh).
+PictureOptions upright(const Drawing& drawing, const PictureOptions& options);
 /// As write_picture says, before it becomes a file.
 Image draw_picture(const Drawing& drawing, const PictureOptions& options);
 /// As write_mesh_png says.

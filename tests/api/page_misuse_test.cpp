@@ -16,11 +16,14 @@ TEST(Misuse, Pages) {
   const DistanceField empty;
   const std::vector<PageField> empty_one{{"empty", &empty}};
   expect_answer_or_error("an empty field", [&] { make_page({}, empty_one); });
+  expect_answer_or_error("no field", [&] { up_axis({}, none); });
   for (const std::vector<Mesh>& meshes : {odd_meshes(), unusable_meshes()})
     for (const Mesh& mesh : meshes) {
       const std::vector<PageMesh> one{{"mesh", mesh}};
       expect_answer_or_error("mesh", [&] { make_page(one, {}); });
       expect_answer_or_error("mesh", [&] { page_data(one.front()); });
+      expect_answer_or_error("mesh", [&] { up_axis(one, {}); });
+      expect_answer_or_error("mesh", [&] { up_axis(MeshView(mesh)); });
     }
 }
 

@@ -307,7 +307,7 @@ class Points(unittest.TestCase):
         np.save("p.npy", self.points)
         self.refused(2, "p.npy: it is an input", "scene:box", "p.npy", "-o", "p.npy", "-f")
         self.refused(2, "use .csv, .ply, .npy or .npz", "scene:box", "p.npy", "-o", "a.vti")
-        self.refused(2, "--with 'near': give closest, triangle", "scene:box", "p.npy", "--with", "closest,near")
+        self.refused(2, "--with 'near': give point, closest, triangle", "scene:box", "p.npy", "--with", "closest,near")
         self.refused(2, "--with winding is for signs", "scene:box", "p.npy", "--with", "winding", "--sign", "none")
         self.refused(2, "points have no samples", "scene:box", "p.npy", "--sign", "shell:3s")
         self.refused(3, "no such file", "scene:box", "absent.csv")

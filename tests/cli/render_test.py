@@ -22,7 +22,7 @@ def run(*words, code=0):
 
 
 def pixels(path):
-    """The picture as an array, by the PNG specification: 8 bits, RGB."""
+    """The picture as an array, by the PNG specification: 8 bits, RGB or RGBA."""
     data = pathlib.Path(path).read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, packed = 8, b""
@@ -32,23 +32,25 @@ def pixels(path):
         assert zlib.crc32(kind + body) == struct.unpack(">I", data[at + 8 + length : at + 12 + length])[0]
         if kind == b"IHDR":
             width, height, depth, color, *_ = struct.unpack(">IIBBBBB", body)
-            assert (depth, color) == (8, 2)
+            assert depth == 8 and color in (2, 6)
+            channels = 3 if color == 2 else 4
         if kind == b"IDAT":
             packed += body
         at += 12 + length
-    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
-    image = np.zeros((height, width, 3), np.uint8)
-    before = np.zeros(3 * width, np.uint8)
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + channels * width)
+    image = np.zeros((height, width, channels), np.uint8)
+    before = np.zeros(channels * width, np.uint8)
     for y, row in enumerate(rows):
         line = row[1:].copy()
         if row[0] == 2:
             line += before
         elif row[0] != 0:
-            for x in range(3 * width):
-                a, b, c = (int(line[x - 3]) if x >= 3 else 0), int(before[x]), (int(before[x - 3]) if x >= 3 else 0)
+            for x in range(channels * width):
+                left, above_left = (int(line[x - channels]), int(before[x - channels])) if x >= channels else (0, 0)
+                a, b, c = left, int(before[x]), above_left
                 nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
                 line[x] = (int(line[x]) + {1: a, 3: (a + b) // 2, 4: nearest}[int(row[0])]) % 256
-        image[y], before = line.reshape(width, 3), line
+        image[y], before = line.reshape(width, channels), line
     return image
 
 
@@ -89,8 +91,8 @@ def fields():
         assert drawn(pixels("c.png")).sum() > 500, layers
         assert (pixels("c.png") != both).any()
     # A mesh is cut open where the slice is, unless it shall stay whole.
-    run("render", "scene:box", "box.vti", *SIZE, "-o", "cut.png", "--axis", "y", "--camera", "front", "--no-legend")
-    run("render", "scene:box", "box.vti", *SIZE, "-o", "whole.png", "--axis", "y", "--camera", "front", "--no-legend",
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "cut.png", "--axis", "z", "--camera", "front", "--no-legend")
+    run("render", "scene:box", "box.vti", *SIZE, "-o", "whole.png", "--axis", "z", "--camera", "front", "--no-legend",
         "--whole")
     cut, whole = pixels("cut.png")[60, 80].astype(int), pixels("whole.png")[60, 80].astype(int)
     assert cut[2] > cut[0] + 20 and abs(cut - whole).max() > 20  # blue is inside
@@ -167,6 +169,62 @@ def slices_lie_where_they_are_asked_for():
     assert (pixels("default.png") != pixels("other.png")).any()
 
 
+def stands_upright():
+    """What the format of a mesh says is up, and what a field remembers, is up in the picture: that of --up."""
+    pathlib.Path("tall.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 3 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    run("convert", "tall.obj", "-o", "tall.stl")
+    for name, up in (("tall.obj", "y"), ("tall.stl", "z")):
+        run("compute", name, "-r", "12", "-o", "tall.vti", "-f")
+        assert json.loads(run("info", "tall.vti", "--json").stdout)["field"]["up"] == up
+        for subject in (name, "tall.vti"):
+            run("render", subject, *SIZE, "-o", "auto.png", "-f")
+            run("render", subject, *SIZE, "-o", "said.png", "-f", "--up", up)
+            run("render", subject, *SIZE, "-o", "other.png", "-f", "--up", "x")
+            assert (pixels("auto.png") == pixels("said.png")).all() and (pixels("auto.png") != pixels("other.png")).any()
+
+
+def answers_of_points_are_colored():
+    """Balls in the colors of the distances that standoff points wrote, in either format; blue is inside."""
+    pathlib.Path("asked.csv").write_text("x,y,z\n0,0,0\n0,3,0\n")
+    for name, words in (("answers.csv", ["--with", "point"]), ("answers.ply", [])):
+        run("points", "scene:box", "asked.csv", "-o", name, *words)
+        run("render", name, *SIZE, "-o", "answers.png", "-f", "--no-shadows", "--no-legend")
+        image = pixels("answers.png").astype(int)
+        assert (image[..., 2] > image[..., 0] + 40).sum() > 10 and (image[..., 0] > image[..., 2] + 40).sum() > 10, name
+
+
+def paper_can_be_left_out():
+    """On a transparent background: what is drawn is as opaque as it covers a pixel, and looks on white as it does there."""
+    run("render", "scene:box", *SIZE, "-o", "none.png", "--background", "transparent")
+    run("render", "scene:box", *SIZE, "-o", "white.png")
+    none, white = pixels("none.png").astype(float), pixels("white.png")
+    alpha = none[..., 3:] / 255
+    assert none.shape[2] == 4 and alpha.min() == 0 and alpha.max() == 1 and ((alpha > 0) & (alpha < 1)).sum() > 20
+    off = abs(none[..., :3] * alpha + 255 * (1 - alpha) - white)
+    assert off.max() <= 12 and off.mean() < 0.1, (off.max(), off.mean())
+
+
+def bodies_have_colors():
+    run("render", "scene:box", "scene:bender", *SIZE, "-o", "two.png")
+    image = pixels("two.png").astype(int)
+    assert (image[..., 0] > image[..., 2] + 40).sum() > 50, "the second is orange"
+
+
+def cut_off_isosurfaces_are_told():
+    run("compute", "scene:box", "-r", "12", "-o", "tight.vti")
+    assert "cut off at the grid's border" in run("render", "tight.vti", *SIZE, "-o", "c.png", "-f", "--layers", "iso", "--iso", "50s").stderr
+    assert "cut off" not in run("render", "tight.vti", *SIZE, "-o", "c.png", "-f", "--layers", "iso", "--iso", "0").stderr
+
+
+def unsigned_slices_show_the_surface():
+    """A white line where the surface is, and colors that the farthest corner does not take for itself."""
+    run("compute", "scene:box", "-r", "80", "--sign", "none", "-o", "unsigned.vti")
+    run("slice", "unsigned.vti", "-o", "unsigned.png", "--bare")
+    image = pixels("unsigned.png").astype(int)
+    white = (image.min(axis=2) > 240).sum()
+    assert 0.005 < white / image[..., 0].size < 0.2, white
+
+
 def pictures_look_as_they_did():
     """Light and shadow, a mesh cut open, see-through walls, and all layers of numbers, beside stored pictures."""
     folder = pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests/cli/pictures"
@@ -217,6 +275,7 @@ def errors():
 
 
 for test in (meshes, fields, points_and_paths, turntables, inputs_are_kept, distances_are_told_where_the_field_knows_them,
-             slices_lie_where_they_are_asked_for, pictures_look_as_they_did, errors):
+             slices_lie_where_they_are_asked_for, stands_upright, answers_of_points_are_colored, paper_can_be_left_out,
+             bodies_have_colors, cut_off_isosurfaces_are_told, unsigned_slices_show_the_surface, pictures_look_as_they_did, errors):
     test()
     print(test.__name__)

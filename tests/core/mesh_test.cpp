@@ -53,6 +53,26 @@ TEST(Mesh, BoundsAreThoseOfUsedVertices) {
   EXPECT_TRUE(bounds(Mesh{}).empty());
 }
 
+// A pyramid without its floor's twin: the floor is the only side that lies flat.
+Mesh pyramid(Axis up, double size = 1) {
+  Mesh mesh{{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 3}}, {{0, 2, 1}, {0, 3, 2}, {0, 1, 4}, {1, 2, 4}}};
+  for (Vec3& v : mesh.vertices) {
+    const Vec3 p = v * size;
+    v = up == Axis::x ? Vec3{p.z, p.x, p.y} : up == Axis::y ? Vec3{p.y, p.z, p.x} : p;
+  }
+  return mesh;
+}
+
+TEST(Mesh, StandsOnItsFlattestBase) {
+  for (const Axis up : {Axis::x, Axis::y, Axis::z})
+    for (const double size : {1e-300, 1.0, 1e200}) EXPECT_EQ(up_axis(pyramid(up, size)), up) << size;
+  Mesh ball = pyramid(Axis::y);
+  ball.triangles.erase(ball.triangles.begin(), ball.triangles.begin() + 2);
+  EXPECT_EQ(up_axis(ball), Axis::z) << "no side is flat";
+  EXPECT_EQ(up_axis(Mesh{}), Axis::z);
+  expect_error([] { up_axis(Mesh{{{0, 0, 0}}, {{0, 1, 2}}}); }, ErrorCode::input, "out of range");
+}
+
 TEST(Mesh, ContentHashSeesEveryChange) {
   const auto hash = content_hash(kSquare);
   EXPECT_EQ(content_hash(Mesh(kSquare)), hash);

@@ -22,6 +22,7 @@ PictureOptions small_picture(double azimuth = 35, double elevation = 25) {
   options.azimuth_deg = azimuth;
   options.elevation_deg = elevation;
   options.shadows = false;
+  options.up = Axis::z;
   return options;
 }
 

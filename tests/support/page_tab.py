@@ -13,7 +13,8 @@ class Page:
     async def open(self, name, width=1280, height=800, phone=False, scheme="light"):
         await self.tab.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         await self.tab.size(width, height, phone)
-        await self.tab.call("Page.navigate", url=(pathlib.Path.cwd() / name).as_uri())
+        file, *fragment = name.split("#", 1)
+        await self.tab.call("Page.navigate", url="#".join([(pathlib.Path.cwd() / file).as_uri(), *fragment]))
         for _ in range(1200):
             await asyncio.sleep(0.05)
             with contextlib.suppress(RuntimeError):

@@ -109,6 +109,124 @@ async def sliders_and_handles(page):
     await page.ask(f"viewer.look.slices[{axis}].at = 0.5, viewer.look.mesh.shown = true, viewer.frame(), viewer.settled()")
 
 
+# What the layers are asked to draw, in the units that people read.
+RECORD = """(() => {
+  const {scene} = viewer, {meshLayer, sliceLayer} = scene, world = (axis, v) => v / scale() + scene.center[axis], scale = () => scene.scale;
+  const drawn = globalThis.drawn = {};
+  const drawMesh = meshLayer.draw.bind(meshLayer), drawSlices = sliceLayer.draw.bind(sliceLayer);
+  meshLayer.draw = (id, frame, look, ...rest) => {
+    const {range, clip} = frame.uniforms, axis = [0, 1, 2].find(k => clip[k] !== 0);
+    if (typeof id === 'string') Object.assign(drawn, {opacity: look.opacity, color: look.color, range: range[1] / scale()});
+    else drawn.isoOpacity = look.opacity;
+    if (axis !== undefined) drawn.clip = world(axis, clip[3] / clip[axis]);
+    return drawMesh(id, frame, look, ...rest);
+  };
+  sliceLayer.draw = (frame, box, planes, look) => {
+    for (const {axis, where} of planes) drawn['xyz'[axis]] = world(axis, where);
+    return drawSlices(frame, box, planes, look);
+  };
+})()"""
+# Of each slider: what is drawn, as its text says it.
+SLIDERS = {
+    **{f"position of the slice across {axis}": f"drawn.{axis}" for axis in "xyz"},
+    "value of the isosurface": "viewer.scene.surfaces.get(viewer.scene.field(0)).value",
+    "opacity of the isosurface": "100 * drawn.isoOpacity",
+    "how far from the surface samples are shown": "viewer.scene.pointsOf(viewer.scene.field(0)).band",
+    "Range": "100 * drawn.range / Math.max(...viewer.scene.field(0).range.map(Math.abs))",
+    "Opacity": "100 * drawn.opacity",
+    "position of the clip plane": "drawn.clip",
+}
+
+
+async def readings_are_what_is_drawn(page):
+    """Of every slider: its text, what a screen reader says, and what is drawn are one number, after each event."""
+    await page.open("page.html")
+    await page.ask(f"({RECORD}, viewer.look.slices.forEach(s => {{ s.shown = true; }}), viewer.look.iso.shown = viewer.look.points.shown = viewer.look.clip.shown = true,"
+                   " viewer.look.mesh.cut = false, viewer.rebuild(), viewer.settled())")
+    names = await page.ask("[...document.querySelectorAll('#panel input[type=range]')].map(i => i.getAttribute('aria-label') ?? i.labels[0].textContent)")
+    expect(sorted(names) == sorted(SLIDERS), f"every slider is tested: {names}")
+    for name in names:
+        for share in (0.3, 0.7, 0.42):
+            told = await page.ask(f"""(async () => {{
+              const input = [...document.querySelectorAll('#panel input[type=range]')].find(i => (i.getAttribute('aria-label') ?? i.labels[0].textContent) === '{name}');
+              input.value = Number(input.min) + {share} * (input.max - input.min);
+              input.dispatchEvent(new Event('input'));
+              const text = input.parentElement.querySelector('output').textContent, said = input.getAttribute('aria-valuetext');
+              await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+              await viewer.settled();
+              return [text, said, {SLIDERS[name]}];
+            }})()""")
+            number = float(told[0].replace("−", "-").split(",")[0].split(" ")[0])
+            expect(told[0] == told[1], f"{name}: a screen reader says {told[1]}, the text is {told[0]}")
+            expect(abs(number - told[2]) <= (0.51 if "%" in told[0] else 0.006 * abs(told[2]) + 1e-4), f"{name}: the text is {told[0]}, {told[2]} is drawn")
+    limits = await page.ask("""(async () => {
+      const [a, b] = viewer.controls.limits.inputs;
+      a.value = '−0.25'; b.value = '0.5'; b.dispatchEvent(new Event('change'));
+      await viewer.settled();
+      const typed = [...viewer.views()[0].range, drawn.range];
+      b.value = 'x'; b.dispatchEvent(new Event('change'));
+      return [typed, b.value];
+    })()""")
+    expect(limits == [[-0.25, 0.5, 0.5], "0.5"], f"typed limits are those of the colours, and what is no number is none: {limits}")
+
+
+async def meshes_have_colors_of_their_own(page):
+    await page.open("page.html")
+    told = await page.ask(f"""({RECORD}, (async () => {{
+      const {{picker, input}} = viewer.controls.meshes.get('0');
+      picker.value = '#ff8000';
+      picker.dispatchEvent(new Event('input'));
+      await viewer.settled();
+      const color = drawn.color;
+      drawn.color = null;
+      input.click();
+      await viewer.settled();
+      return [color, drawn.color];
+    }})())""")
+    expect(told[0] and max(abs(a - b) for a, b in zip(told[0], (1, 0.502, 0))) < 0.01 and told[1] is None, f"a colour, and away: {told}")
+
+
+async def links_keep_the_view(page):
+    """The address of a view shows it again; one that says nonsense shows what there is."""
+    await page.open("page.html")
+    seen = "JSON.stringify([viewer.camera, viewer.look.slices.map(s => [s.shown, s.at]), viewer.look.clip, viewer.look.meshes, viewer.look.mesh.opacity, viewer.look.range])"
+    link = await page.ask("(viewer.camera.turn(0.4, 0.2), viewer.look.slices[0].shown = true, viewer.look.clip.shown = true, viewer.look.mesh.opacity = 0.5,"
+                          " viewer.look.meshes['0'] = {hidden: true}, viewer.look.range = [-1, 2], viewer.keepView().then(() => location.hash))")
+    before = await page.ask(seen)
+    await page.open("single.html")
+    await page.open("page.html" + link)
+    after = await page.ask(seen)
+    rounded = [json.loads(text, parse_float=lambda v: round(float(v), 5)) for text in (before, after)]
+    expect(rounded[0] == rounded[1], f"a link shows what was seen: {before}, {after}")
+    for nonsense in ("%", "null", "[]", '{"look":{"comparison":"x","colormap":7,"clip":{"axis":9},"__proto__":{"a":1},"range":[3,1]},"camera":{"up":5,"distance":-3}}'):
+        await page.open("single.html")
+        await page.open("page.html#view=" + nonsense.replace('"', "%22"))
+        expect(await page.ask("document.getElementById('failure').hidden && viewer.gl.getError() === 0 && viewer.look.clip.axis < 3"), f"nonsense does no harm: {nonsense}")
+
+
+async def distances_are_measured(page):
+    await page.open("page.html")
+    told = await page.ask("""(() => {
+      viewer.look.mesh.shown = false;
+      const [w, h] = [viewer.canvas.clientWidth, viewer.canvas.clientHeight];
+      viewer.measure(true);
+      const a = viewer.readAt(w / 2, h / 2), b = viewer.readAt(w / 2 + 60, h / 2 + 20);
+      const dd = Object.fromEntries([...viewer.controls.point.element.children].map((e, n, all) => n % 2 ? [all[n - 1].textContent, e.textContent] : ['', '']));
+      viewer.measure(false);
+      return [Math.hypot(...a.point.map((v, k) => v - b.point[k])), Number(dd.length)];
+    })()""")
+    expect(told[0] > 0.01 and abs(told[0] - told[1]) < 1e-4, f"the distance of two points: {told}")
+
+
+async def up_is_what_the_mesh_says(page):
+    await page.open("page.html")
+    expect(await page.ask("viewer.camera.up") == 1, "an OBJ file has y up")
+    await page.key("u")
+    expect(await page.ask("[viewer.camera.up, viewer.controls.up.element.querySelector('input:checked').value]") == [2, "2"], "u takes the next axis, and the control follows")
+    await page.open("odd.html")
+    expect(await page.ask("viewer.camera.up") == 1, "so has a field that was made of one")
+
+
 async def fingers(page):
     """Two fingers zoom and move; one turns; one on a handle moves its slice."""
     await page.tab.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
@@ -275,7 +393,7 @@ async def looks_as_it_did(page):
     folder = pathlib.Path(__file__).parent / "pictures"
     for name, scheme, look in (("light", "light", "0"),
                                ("dark", "dark", "look.mesh.cut = look.points.shown = true, look.slices.forEach(s => { s.shown = true; })"),
-                               ("surface", "light", "look.mesh.shown = false, look.iso.shown = true, look.iso.value = 0.2, look.colormap = 'thesis'")):
+                               ("surface", "light", "look.mesh.shown = look.mesh.cut = false, look.iso.shown = true, look.iso.value = 0.2, look.colormap = 'thesis'")):
         await page.open("page.html", 900, 600, scheme=scheme)
         await page.ask(f"(look => {{ {look}; }})(viewer.look), viewer.changed(), viewer.settled()")
         drawn = await page.ask(DRAWN)
@@ -352,7 +470,8 @@ async def main():
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)
         for check in (names_are_text, pointers_and_keys, sliders_and_handles, fingers, pictures_are_saved, values_are_true, data_is_the_programs,
-                      surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, looks_as_it_did,
+                      surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, readings_are_what_is_drawn,
+                      meshes_have_colors_of_their_own, links_keep_the_view, distances_are_measured, up_is_what_the_mesh_says, looks_as_it_did,
                       two_fields_and_their_difference, stored_tiles_look_like_a_dense_texture, odd_data_is_shown):
             await check(page)
         await page.open("page.html", 390, 844, phone=True, scheme="dark")

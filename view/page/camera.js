@@ -7,12 +7,13 @@ const kSteep = 1.553;    // just below straight up: the picture's up stays defin
 
 export class Camera {
   constructor(up) {
-    this.up = up;
     this.parallel = false;
-    this.reset();
+    this.standUp(up);
   }
 
-  reset() {
+  /// Makes an axis, 0 x, 1 y or 2 z, the one that points up, and looks from where one begins to look.
+  standUp(up) {
+    this.up = up;
     this.azimuth = this.up === 1 ? Math.PI / 2 + 0.55 : 0.65;  // what has y upwards looks along z
     this.elevation = 0.42;
     this.distance = 4;

@@ -23,11 +23,18 @@ export function colorTexture(gl, bytes) {
   return texture;
 }
 
-/// 1, 2 or 5 times a power of ten, so that about `count` steps make `span`.
-export function niceStep(span, count) {
+/// 1, 2 or 5 times a power of ten, so that about `count` steps make `span`; with `above` no more than so many.
+export function niceStep(span, count, above = false) {
   if (!(span > 0) || !Number.isFinite(span)) return 1;
   const raw = span / count, power = 10 ** Math.floor(Math.log10(raw)), lead = raw / power;
-  return (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10) * power;
+  const [one, two, five] = above ? [1, 2, 5] : [1.5, 3.5, 7.5];
+  return (lead <= one ? 1 : lead <= two ? 2 : lead <= five ? 5 : 10) * power;
+}
+
+/// 1, 2 or 5 times a power of ten that is not above a value.
+export function niceBelow(value) {
+  const power = 10 ** Math.floor(Math.log10(value)), lead = value / power;
+  return (lead >= 5 ? 5 : lead >= 2 ? 2 : 1) * power;
 }
 
 /// Multiples of a nice step in a range.
@@ -62,3 +69,6 @@ export function parsedColor(text) {
   canvas.fillRect(0, 0, 1, 1);
   return [...canvas.getImageData(0, 0, 1, 1).data].map(v => v / 255);
 }
+
+/// Red, green and blue from 0 to 1 as "#rrggbb".
+export const hexOf = color => '#' + color.slice(0, 3).map(v => Math.round(255 * v).toString(16).padStart(2, '0')).join('');

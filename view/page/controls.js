@@ -49,8 +49,8 @@ export class Section {
     };
     input.addEventListener('input', () => {
       const v = Number(input.value);
-      present(v);
       changed(v);
+      present(v);  // last: what is told of a value may depend on what changed
     });
     if (done) input.addEventListener('change', () => done(Number(input.value)));
     const row = this.row(element('label', {for: id}, label), reading, input);
@@ -68,6 +68,33 @@ export class Section {
     const row = this.row(element('label', {for: id}, label), ...(key ? [element('kbd', {'aria-hidden': 'true'}, key)] : []), input);
     row.classList.add('toggle');
     return {element: row, input, set: v => { input.checked = v; }};
+  }
+
+  /// Numbers that are typed: `values` are what is shown.
+  numbers({label, names, values, changed}) {
+    const inputs = values.map((value, n) => element('input', {type: 'text', inputmode: 'decimal', value, 'aria-label': names[n]}));
+    let shown = values;
+    const set = v => { shown = v; v.forEach((text, n) => { if (document.activeElement !== inputs[n]) inputs[n].value = text; }); };
+    const given = () => inputs.map(input => Number(input.value.replace('−', '-').trim() || NaN));
+    for (const input of inputs)
+      input.addEventListener('change', () => {
+        if (given().every(Number.isFinite)) changed(given());
+        else inputs.forEach((one, n) => { one.value = shown[n]; });
+      });
+    const row = this.row(element('span', {class: 'label', 'aria-hidden': 'true'}, label), element('span', {class: 'numbers'}, ...inputs));
+    return {element: row, inputs, set};
+  }
+
+  /// A colour and a switch: of one thing in a list.
+  item({label, color, value, colored, changed}) {
+    const id = `c${++count}`, picker = element('input', {type: 'color', value: color, 'aria-label': `colour of ${label}`});
+    const input = element('input', {type: 'checkbox', role: 'switch', id});
+    input.checked = value;
+    picker.addEventListener('input', () => colored(picker.value));
+    input.addEventListener('change', () => changed(input.checked));
+    const row = this.row(picker, element('label', {for: id}, label), input);
+    row.classList.add('item');
+    return {element: row, input, picker, set: v => { input.checked = v; }};
   }
 
   /// `options`: [value, text] pairs, of which one is chosen.

@@ -40,6 +40,19 @@ export class FieldData {
     this.range = least <= greatest ? [least * this.step, greatest * this.step] : [0, this.clamped * this.step || 1];
   }
 
+  /// The least value on the sides of the grid: isosurfaces of less are closed there.
+  get borderLeast() {
+    if (this.leastOnBorder !== undefined) return this.leastOnBorder;
+    const [nx, ny, nz] = this.size;
+    let least = Infinity;
+    for (let k = 0; k < nz; ++k)
+      for (let j = 0; j < ny; ++j) {
+        const step = j === 0 || k === 0 || j === ny - 1 || k === nz - 1 ? 1 : Math.max(1, nx - 1);
+        for (let i = 0; i < nx; i += step) least = Math.min(least, this.value(i, j, k));
+      }
+    return this.leastOnBorder = least;
+  }
+
   // Where a sample's code lies in `codes`, or below 0 for a tile that is not stored.
   place(i, j, k) {
     const [nx, ny] = this.tileCount;

@@ -2,7 +2,7 @@
 // A flight on the page: bodies, their paths, contacts and crossings; what is streamed while it flies, or was recorded.
 import {unpacked} from './blob.js';
 import {grouped, shown} from './colors.js';
-import {element} from './controls.js';
+import {element, svg} from './controls.js';
 import {kinds} from './embedded.js';
 import {FrameReader, Recording} from './flight_data.js';
 import {FlightLayer, kNearColors, segmentRoom} from './flight_layer.js';
@@ -219,11 +219,21 @@ function replay(view, recording) {
     show();
     requestAnimationFrame(play);
   };
-  const button = section.button('Pause', () => {
+  const toggle = () => {
     playing = !playing;
-    button.set(playing ? 'Pause' : 'Play');
+    tell();
     if (playing) requestAnimationFrame(play);
-  });
+  };
+  const button = section.button('Pause', toggle);
+  // On a phone the panel is closed: play is at hand on the picture too.
+  const path = svg('path'), onPicture = element('button', {type: 'button', id: 'play', click: toggle}, svg('svg', {viewBox: '0 0 20 20', 'aria-hidden': 'true'}, path));
+  const tell = () => {
+    button.set(playing ? 'Pause' : 'Play');
+    onPicture.setAttribute('aria-label', playing ? 'pause the flight' : 'play the flight');
+    path.setAttribute('d', playing ? 'M6 4h3v12H6zM11 4h3v12h-3z' : 'M6 3.5 16 10 6 16.5z');
+  };
+  tell();
+  viewer.stage.append(onPicture);
   const scrub = section.slider({label: 'Time', least: 0, greatest: Math.max(1, last), value: 0, step: 'any',
     show: v => `${shown(v / header.frames_per_second, 3)} s`, changed: v => { at = Math.min(v, last); show(); }});
   section.slider({label: 'Speed', least: -3, greatest: 3, step: 1, value: 0, show: v => `× ${shown(2 ** v, 3)}`, changed: v => { speed = 2 ** v; }});

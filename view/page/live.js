@@ -87,6 +87,7 @@ class LiveField {
     this.viewer.status(`reading ${file.name}`);
     const answer = await asked(`upload?${new URLSearchParams({name: file.name})}`, {method: 'POST', body: file});
     const state = (await answer.json()).live;
+    this.viewer.camera.standUp('xyz'.indexOf(state.up));
     this.viewer.scene.setField('computed', null);
     await this.showMesh();
     this.section.body.replaceChildren();

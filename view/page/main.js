@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Starts the page.
 import {sources} from './embedded.js';
+import {showFragment} from './link.js';
 import {Viewer} from './viewer.js';
 
 async function main() {
@@ -10,6 +11,8 @@ async function main() {
   try {
     const viewer = globalThis.viewer = new Viewer(config);
     await sources[config.source](viewer, config);
+    showFragment(viewer, location.hash);
+    addEventListener('hashchange', () => showFragment(viewer, location.hash));
     viewer.renderer.complete = true;
     document.body.classList.add('ready');
     await viewer.settled();

@@ -3,6 +3,7 @@
 import {makeArray, makeBuffer, makeProgram} from './gl.js';
 import {normalsOf} from './normals.js';
 import {kColorShader, kCutShader, kFieldShader, kLightShader} from './shaders.js';
+import {kCells, partOf, standIn} from './stand_in.js';
 import {identity} from './vec.js';
 
 const kVertex = `
@@ -32,17 +33,19 @@ uniform bool flatShading;
 out vec4 pixel;
 #ifdef FIELD
 uniform bool colored, occluded;
-// The field says how open the surroundings are: how far along the normal the distance stays behind the way gone.
-float openness(vec3 p, vec3 n) {
-  if (!occluded) return 1.0;
-  float closed = 0.0, weight = 1.0, h = 0.012;
+// The field says how open the surroundings are: how far along the normal the distance stays behind the way gone. Nearer
+// than its spacing it says little, and of things thinner than that nothing true.
+float openness(vec3 p, vec3 n, float shaded) {
+  if (!occluded || shaded == 0.0) return 1.0;
+  float spacing = max(spacingA.x, max(spacingA.y, spacingA.z));
+  float closed = 0.0, weight = 1.0, h = max(0.02, 2.0 * spacing);
   for (int k = 0; k < 4; ++k) {
     float d = abs(field_a(p + n * h));
-    closed += weight * clamp((min(h, bandA) - d) / h, 0.0, 1.0);
+    closed += weight * clamp((min(h, bandA) - d - 0.8 * spacing) / h, 0.0, 1.0);
     weight *= 0.62;
-    h *= 2.1;
+    h *= 1.9;
   }
-  return clamp(1.0 - 0.62 * closed, 0.12, 1.0);
+  return 1.0 - shaded * min(0.7 * closed, 0.62);
 }
 #endif
 void main() {
@@ -57,11 +60,14 @@ void main() {
   if (back) s = -s;
   n = normalize(mix(flatNormal, s, share));
   back = back || !gl_FrontFacing;
-  vec3 base = back ? backColor : color;
+  // Towards a silhouette, behind which the depth jumps, a pixel sees little of a surface, and slivers of its other side:
+  // nothing is told of both.
+  float facing = smoothstep(0.12, 0.45, mix(dot(flatNormal, view), abs(dot(s, view)), smoothstep(0.0, 0.35, smoothed.w)));
+  vec3 base = back ? mix(color, backColor, facing) : color;
   float open = 1.0;
 #ifdef FIELD
   if (colored) { float v = shown(at); if (v < 1e29) base = color_of(v); }
-  open = openness(at, flatNormal);
+  open = openness(at, flatNormal, facing);
 #endif
   float alpha = opacity < 1.0 ? mix(opacity, min(1.0, opacity + 0.75), pow(1.0 - abs(dot(n, view)), 2.5)) : 1.0;
   pixel = vec4(lit(base, n, view, open) * alpha, alpha);
@@ -79,20 +85,24 @@ void main() {
 
 // Triangles that are drawn at once while the whole mesh is drawn piece by piece: the page answers in between.
 const kPiece = 400000;
+// A mesh of no more triangles than this is always drawn whole.
+const kFew = 70000;
+const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
 
 export class MeshLayer {
   constructor(gl) {
     this.gl = gl;
     this.programs = new Map();  // by the text of their second half
     this.meshes = new Map();
+    this.budget = kFew;  // triangles and lines of a stand-in
   }
 
   set(id, data) {
     const {gl} = this;
     const old = this.meshes.get(id);
     if (old) {
-      for (const buffer of old.buffers) gl.deleteBuffer(buffer);
-      for (const array of old.arrays) gl.deleteVertexArray(array);
+      for (const buffer of [...old.buffers, ...old.standIn?.buffers ?? []]) gl.deleteBuffer(buffer);
+      for (const array of [...old.arrays, ...old.standIn?.arrays ?? []]) gl.deleteVertexArray(array);
       this.meshes.delete(id);
     }
     if (!data) return;
@@ -103,27 +113,45 @@ export class MeshLayer {
     gl.bindVertexArray(null);
     const whole = makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER);
     const mesh = {data, attributes, buffers: [positions, normals, whole], whole: makeArray(gl, attributes, whole), arrays: []};
-    mesh.proxy = data.proxy ? this.proxyOf(data, normalNumbers, type, mesh.buffers) : mesh.whole;
-    mesh.arrays.push(mesh.whole, mesh.proxy);
+    mesh.arrays.push(mesh.whole);
     this.meshes.set(id, mesh);
+    if (data.triangles <= kFew && !data.proxy) return;
+    Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(64)});
+    this.build(mesh);
+    if (data.proxy) return;
+    while (mesh.cells > 0 && mesh.size > 1.5 * this.budget) {
+      --mesh.cells;
+      this.build(mesh);
+    }
   }
 
-  // Fewer triangles have vertices of their own, side by side: among all of them they would be far apart in memory.
-  proxyOf(data, normals, type, buffers) {
-    const {gl} = this, number = new Map(), corners = data.proxyCorners.map(v => {
-      if (!number.has(v)) number.set(v, number.size);
-      return number.get(v);
-    });
-    const lattice = new data.lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
-    for (const [v, n] of number) {
-      lattice.set(data.lattice.subarray(3 * v, 3 * v + 3), 3 * n);
-      few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
-    }
-    const made = [makeBuffer(gl, lattice), makeBuffer(gl, few)];
+  // The stand-in of a mesh, anew.
+  build(mesh) {
+    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, mesh.normals, kCells[mesh.cells]);
+    const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
+    for (const buffer of mesh.standIn?.buffers ?? []) gl.deleteBuffer(buffer);
+    for (const array of mesh.standIn?.arrays ?? []) gl.deleteVertexArray(array);
+    const buffers = [makeBuffer(gl, made.lattice), makeBuffer(gl, made.normals)];
+    const attributes = [[0, buffers[0], 3, type], [1, buffers[1], 4, gl.SHORT, true]];
     gl.bindVertexArray(null);
-    const indices = makeBuffer(gl, corners, gl.ELEMENT_ARRAY_BUFFER);
-    buffers.push(...made, indices);
-    return makeArray(gl, [[0, made[0], 3, type], [1, made[1], 4, gl.SHORT, true]], indices);
+    for (const indices of [made.triangles, made.lines]) buffers.push(makeBuffer(gl, indices, gl.ELEMENT_ARRAY_BUFFER));
+    const arrays = [2, 3].map(n => makeArray(gl, attributes, buffers[n]));
+    mesh.standIn = {buffers, arrays, triangles: made.triangles.length / 3, lines: made.lines.length / 2};
+    mesh.size = mesh.standIn.triangles + mesh.standIn.lines;
+  }
+
+  /// Frames take too long, or leave time: stand-ins of another size are made, one step finer or coarser.
+  resize(longer) {
+    this.budget = longer ? 1.7 * this.budget : Math.max(20000, this.budget / 1.7);
+    for (const mesh of this.meshes.values()) {
+      if (!mesh.standIn || mesh.data.proxy || mesh.data.triangles <= this.budget) continue;
+      // A step multiplies the triangles by about 2.
+      const wanted = mesh.size * 2 < this.budget ? 1 : mesh.size > this.budget * 1.5 ? -1 : 0;
+      const cells = Math.min(Math.max(mesh.cells + wanted, 0), kCells.length - 1);
+      if (cells === mesh.cells) continue;
+      mesh.cells = cells;
+      this.build(mesh);
+    }
   }
 
   program(fragment) {
@@ -134,23 +162,28 @@ export class MeshLayer {
   /// Pieces that the whole mesh is drawn in.
   pieces(id) { return Math.max(1, Math.ceil(this.meshes.get(id).data.triangles / kPiece)); }
 
-  /// Draws piece `piece` of the whole mesh, or the proxy. `bodies`: {matrix (scene units), color, opacity}.
+  /// Whether fewer triangles are drawn while something moves.
+  thins(id) {
+    const {standIn, data} = this.meshes.get(id);
+    return Boolean(standIn) && (data.triangles > this.budget || data.triangles <= kFew);
+  }
+
+  /// Draws piece `piece` of the whole mesh, or what stands in for it. `bodies`: {matrix (scene units), color, opacity}.
   draw(id, frame, look, bodies, piece = -1) {
-    const {gl} = this, mesh = this.meshes.get(id);
-    const moving = frame.moving && mesh.data.proxy > 0;
-    const first = moving || piece < 0 ? 0 : 3 * kPiece * piece;
-    const most = 3 * (moving ? mesh.data.proxy : mesh.data.triangles);
+    const {gl} = this, mesh = this.meshes.get(id), few = frame.moving && this.thins(id) ? mesh.standIn : null;
+    const first = few || piece < 0 ? 0 : 3 * kPiece * piece, most = 3 * (few ?? mesh.data).triangles;
     const count = piece < 0 ? most - first : Math.min(3 * kPiece, most - first);
-    if (count <= 0) return;
-    gl.bindVertexArray(moving ? mesh.proxy : mesh.whole);
+    if (count <= 0 && !few) return;
+    gl.bindVertexArray(few ? few.arrays[0] : mesh.whole);
     gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 1);
-    const occluded = look.occluded && !frame.moving, cut = frame.uniforms.cutSide.some(side => side !== 0);
+    // Room for edges over it. Towards a silhouette the slope grows without bound, and what is behind would come forward.
+    gl.polygonOffset(look.edges === 'none' ? 0 : 1, 1);
+    const occluded = look.occluded && !frame.moving, cut = frame.cuts;
     for (const body of bodies ?? [{}]) {
-      const opacity = body.opacity ?? look.opacity;
+      const opacity = body.opacity ?? look.opacity, color = body.color ?? look.color;
       const values = {
         ...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
-        meshStep: mesh.data.step * frame.scale, color: body.color ?? look.color, backColor: look.backColor,
+        meshStep: mesh.data.step * frame.scale, color, backColor: few ? color : look.backColor,
         opacity, flatShading: look.flat, colored: look.colored, occluded, plainColor: [0, 0, 0, 0],
       };
       if (opacity < 1) {
@@ -164,8 +197,14 @@ export class MeshLayer {
       }
       this.program(fragmentOf({field: look.colored || occluded, cut})).use(values);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
-      gl.disable(gl.BLEND);
       gl.depthFunc(gl.LESS);
+      if (few?.lines) {
+        gl.bindVertexArray(few.arrays[1]);
+        this.program(plainFragmentOf({cut})).use({...values, plainColor: [...color.map(v => kLineLight * v), opacity]});
+        gl.drawElements(gl.LINES, 2 * few.lines, gl.UNSIGNED_INT, 0);
+        gl.bindVertexArray(few.arrays[0]);
+      }
+      gl.disable(gl.BLEND);
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.bindVertexArray(null);

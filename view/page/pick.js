@@ -19,9 +19,11 @@ export function pick(scene, camera, {from, direction}) {
     nearest = t;
     best = {kind: 'slice', axis, name: 'xyz'[axis], point: p, triangle: null};
   }
-  const meshes = look.mesh.shown ? [...scene.meshes].filter(([id]) => !scene.bodies.has(id)).map(([, mesh]) => mesh) : [];
+  const meshes = [...scene.meshes].filter(([id]) => scene.isShown(id) && !scene.bodies.has(id)).map(([, mesh]) => mesh);
   if (look.iso.shown && scene.field(0)) meshes.push(scene.surface(scene.field(0)));
-  const cutAway = t => look.mesh.cut && planes.length > 0 && planes.every(([axis, where]) => {
+  const clip = scene.clipPlane();
+  const clipped = t => clip[0] * (from[0] + t * direction[0]) + clip[1] * (from[1] + t * direction[1]) + clip[2] * (from[2] + t * direction[2]) > clip[3];
+  const cutAway = t => clipped(t) || look.mesh.cut && planes.length > 0 && planes.every(([axis, where]) => {
     const side = eye[axis] >= where ? 1 : -1;
     return (from[axis] + direction[axis] * t - where) * side > 0;
   });

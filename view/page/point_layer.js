@@ -80,7 +80,7 @@ export class PointLayer {
     const spacing = field.spacing.map(v => v * frame.scale);
     // Colours of their own: the band is often a small part of all values.
     const most = this.band * frame.scale, range = frame.uniforms.range[0] < 0 ? [-most, most] : [0, most];
-    this.program.use({...frame.uniforms, range, origin: frame.toScene(field.origin), spacing,
+    this.program.use({...frame.uniforms, range, logarithmic: false, origin: frame.toScene(field.origin), spacing,
       pixels: 0.62 * Math.min(...spacing) * frame.pixelsPerUnit * this.every ** (1 / 3)});
     gl.bindVertexArray(this.array);
     gl.drawArrays(gl.POINTS, 0, this.count);

@@ -5,6 +5,8 @@ import {makeArray, makeProgram} from './gl.js';
 
 const kRest = 160;            // milliseconds without a change after which the picture is at rest
 const kQuick = 45, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
+const kCoarsest = 0.4;
+const kFrames = 6;            // moving frames at the coarsest, or at the finest, after which fewer triangles are drawn, or more
 const kPasses = 10;
 const kSmoothing = 2500;      // milliseconds that smoothing may take
 
@@ -13,9 +15,10 @@ const kCopy = 'in vec2 uv; uniform sampler2D picture; uniform float share; out v
 
 export class Renderer {
   /// `drawViews(size, jitter, pass)` draws all views into the bound framebuffer; `pieces()` says in how many pieces the
-  /// whole is drawn; `afterFrame()` places what lies over the picture.
-  constructor(gl, drawViews, pieces, afterFrame) {
-    Object.assign(this, {gl, drawViews, pieces, afterFrame});
+  /// whole is drawn; `afterFrame()` places what lies over the picture; `resize(more)` makes what is drawn while something
+  /// moves of more triangles, or of fewer.
+  constructor(gl, drawViews, pieces, afterFrame, resize) {
+    Object.assign(this, {gl, drawViews, pieces, afterFrame, resize});
     this.smooths = Boolean(gl.getExtension('EXT_color_buffer_float'));
     this.copy = makeProgram(gl, kCover, kCopy);
     this.cover = makeArray(gl, []);
@@ -27,6 +30,7 @@ export class Renderer {
     this.complete = false; // whether all that the page holds is there
     this.state = 'idle';  // 'moving', 'waiting', 'resting', 'idle'
     this.frames = [];
+    this.slow = this.idle = 0;  // moving frames in a row that took too long though coarse, or left time though fine
     this.waiting = [];
     this.tick = this.tick.bind(this);
     addEventListener('pointerdown', () => { this.gripped = true; }, {capture: true});
@@ -56,6 +60,8 @@ export class Renderer {
       this.moving(now);
     } else if (this.state === 'moving' && now - this.changed > kRest && !this.held && !this.gripped) {
       this.state = 'resting';
+      if (this.slow >= kFrames || this.idle >= kFrames) this.resize(this.idle >= kFrames);
+      this.slow = this.idle = 0;
       this.pass = this.piece = 0;
       this.passes = this.smooths ? this.most : 1;
       this.resting(now);
@@ -77,7 +83,9 @@ export class Renderer {
     if (this.kind === 'moving') {
       this.frames.push(took);
       if (this.frames.length > 30) this.frames.shift();
-      if (took > kQuick) this.coarse = Math.max(0.4, this.coarse * 0.8);
+      this.slow = took > kQuick && this.coarse === kCoarsest ? this.slow + 1 : 0;
+      this.idle = took < kIdle && this.coarse === 1 ? this.idle + 1 : 0;
+      if (took > kQuick) this.coarse = Math.max(kCoarsest, this.coarse * 0.8);
       else if (took < kIdle) this.coarse = Math.min(1, this.coarse * 1.1);
     } else {
       this.passTook += took;

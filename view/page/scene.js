@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What there is to see, and how a view of it is drawn.
-import {colorsOf, colorTexture} from './colors.js';
+import {colorsOf, colorTexture, parsedColor} from './colors.js';
 import {fieldTextures, textureOf3D} from './field_texture.js';
 import {LineLayer, edgesOfBox} from './line_layer.js';
 import {edgesOf} from './edges.js';
@@ -27,6 +27,7 @@ export class Scene {
     this.points = new Map();
     this.edges = new Map();
     this.extras = [];  // layers of others: draw(frame)
+    this.bodyColors = config.bodies.map(parsedColor).map(color => color.slice(0, 3));
     this.colors = Object.fromEntries(Object.entries(config.colormaps).map(
       ([name, text]) => [name, colorTexture(gl, colorsOf(text, 256))]));
     this.nothing = textureOf3D(gl, [1, 1, 1], new Uint16Array(1), [gl.R16F, gl.RED, gl.HALF_FLOAT], gl.LINEAR);
@@ -82,10 +83,10 @@ export class Scene {
 
   // Those of the whole mesh: not while fewer triangles are drawn.
   drawEdges(frame) {
-    const {edges, shown} = this.look.mesh;
-    if (edges === 'none' || !shown) return;
+    const {edges} = this.look.mesh;
+    if (edges === 'none') return;
     for (const [id, mesh] of this.meshes) {
-      if (frame.moving && mesh.proxy) continue;
+      if (!this.isShown(id) || (frame.moving && this.meshLayer.thins(id))) continue;
       const key = `${id} ${edges}`;
       if (!this.edges.has(id) || this.edges.get(id).key !== key) this.edges.set(id, {key, list: edgesOf(mesh, edges === 'sharp')});
       this.meshLayer.drawEdges(id, frame, this.look.edgeColor, this.bodies.get(id), this.edges.get(id).list);
@@ -143,29 +144,33 @@ export class Scene {
       cutAt[axis] = where;
     });
     const frame = {
-      moving: pass.moving, scale: this.scale, pixelsPerUnit: view.pixelsPerUnit, toScene: p => this.toScene(p), matrix: view.matrix,
+      moving: pass.moving, cuts: look.clip.shown || cut.some(side => side !== 0), scale: this.scale, pixelsPerUnit: view.pixelsPerUnit, toScene: p => this.toScene(p), matrix: view.matrix,
       uniforms: {
         camera: view.matrix, eye, parallel: camera.parallel, towardsEye: back,
         keyLight: normalized(add(add(scaled(back, 0.75), scaled(upward, 0.55)), scaled(right, 0.38))),
         ...this.fieldUniforms(view.fields), showing: view.fields.length === 0 ? 0 : view.difference ? 2 : 1,
         colors: this.colors[view.colormap], range: view.range.map(v => v * this.scale), beyond: look.beyond,
-        cutSide: cut, cutAt,
+        diverging: view.diverging, logarithmic: view.logarithmic, cutSide: cut, cutAt, clip: this.clipPlane(),
       },
     };
     const solid = look.mesh.opacity >= 1;
     const meshes = () => {
       if (!look.mesh.shown) return;
       for (const id of this.meshes.keys())
-        if (pass.piece < this.meshLayer.pieces(id))
-          this.meshLayer.draw(id, frame, {...look.mesh, occluded: look.mesh.occluded && view.fields.length > 0},
+        if (this.isShown(id) && pass.piece < this.meshLayer.pieces(id))
+          this.meshLayer.draw(id, frame, {...look.mesh, color: this.colorOf(id), occluded: look.mesh.occluded && view.fields.length > 0},
             this.bodies.get(id), pass.piece);
+    };
+    const isosurface = () => {
+      const field = view.fields[0];
+      if (field && look.iso.shown && this.surface(field).triangles)
+        this.meshLayer.draw(field, frame, {...look.mesh, color: look.iso.color, backColor: look.iso.color, opacity: look.iso.opacity,
+          colored: view.difference, occluded: false});
     };
     if (solid) meshes();
     if (pass.last) {
       const field = view.fields[0];
-      if (field && look.iso.shown && this.surface(field).triangles)
-        this.meshLayer.draw(field, frame, {...look.mesh, color: look.iso.color, backColor: look.iso.color, opacity: 1,
-          colored: view.difference, occluded: false});
+      if (look.iso.opacity >= 1) isosurface();
       if (field && look.points.shown) this.pointsOf(field).draw(frame);
       this.drawEdges(frame);
       if (planes.length)
@@ -173,8 +178,30 @@ export class Scene {
           {contourStep: look.contours ? view.contourStep * this.scale : 0, zeroLine: view.zeroLine});
       for (const extra of this.extras) extra.draw(frame, view);
       this.lineLayer.draw(frame);
+      if (look.iso.opacity < 1) isosurface();
     }
     if (!solid) meshes();
+  }
+
+  /// Of a mesh: whether it is shown, and in which colour: its own, or one that tells several apart.
+  isShown(id) { return this.look.mesh.shown && !this.look.meshes[id]?.hidden; }
+  colorOf(id) {
+    const own = this.look.meshes[id]?.color, n = [...this.meshes.keys()].indexOf(id);
+    return own ?? (this.meshes.size > 1 && n > 0 ? this.bodyColors[(n - 1) % this.bodyColors.length] : this.look.mesh.color);
+  }
+
+  /// Where the clip plane is, in world units.
+  get clipWhere() {
+    const {axis, at} = this.look.clip, [least, greatest] = this.worldBox;
+    return least[axis] + (greatest[axis] - least[axis]) * at;
+  }
+  /// As shaders have it: nothing is away where all four are 0.
+  clipPlane() {
+    const {shown, axis, flipped} = this.look.clip, plane = [0, 0, 0, 0], side = flipped ? -1 : 1;
+    if (!shown) return plane;
+    plane[axis] = side;
+    plane[3] = side * (this.clipWhere - this.center[axis]) * this.scale;
+    return plane;
   }
 
   /// Where a slice is, in scene units and in the world's.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the shaders share. Positions are in scene units: the longest side of what is shown is 2.
+import {kScaleShader} from './scale.js';
 
 /// `float field_a(vec3 p)`: the first field's value at a point in scene units, kNothing where none is known; and b.
 /// `float shown(vec3 p)`: what the colours show there: the first field, or the difference of both.
@@ -39,13 +40,12 @@ float shown(vec3 p) {
 }
 `;
 
-export const kColorShader = `
+export const kColorShader = `${kScaleShader}
 uniform sampler2D colors;
-uniform vec2 range;
 uniform vec3 beyond;  // the colour of what is not known
 vec3 color_of(float value) {
   if (value >= 1e29) return beyond;
-  float t = clamp((value - range.x) / (range.y - range.x), 0.0, 1.0);
+  float t = share_of(value);
   return texture(colors, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb;
 }
 `;
@@ -65,11 +65,14 @@ vec3 lit(vec3 color, vec3 normal, vec3 view, float open) {
 }
 `;
 
-/// What slices hide nothing of: points that are, of every shown slice, on the eye's side, are cut away.
+/// What slices hide nothing of: points that are, of every shown slice, on the eye's side, are cut away; and what is beyond
+/// the clip plane.
 export const kCutShader = `
 uniform vec3 cutSide, cutAt;  // per axis: -1 or 1, the side that the eye is on, 0: no slice; and where
+uniform vec4 clip;            // away where the first three times the point exceed the fourth
 bool cut_away(vec3 p) {
-  vec3 beside = (p - cutAt) * cutSide;
+  if (dot(clip.xyz, p) > clip.w) return true;
+  vec3 beside = (p - cutAt) * cutSide + 0.004;  // a little more: no rim of it stands in front of the slice
   bvec3 free = bvec3(cutSide.x == 0.0 || beside.x > 0.0, cutSide.y == 0.0 || beside.y > 0.0, cutSide.z == 0.0 || beside.z > 0.0);
   return any(notEqual(cutSide, vec3(0.0))) && all(free);
 }

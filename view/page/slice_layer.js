@@ -39,8 +39,8 @@ void main() {
   bool whole = fwidth(known ? 0.0 : 1.0) == 0.0;
   float slope = fwidth(known ? v : 0.0);
   if (known && whole && contourStep > 0.0) {
-    float dense = slope / contourStep;  // lines nearer than three pixels fade away
-    float ink = line(v / contourStep, dense, 0.55) * (1.0 - smoothstep(0.15, 0.34, dense));
+    float dense = slope / contourStep;  // lines nearer than eight pixels are none, they would hide the colours
+    float ink = line(v / contourStep, dense, 0.55) * (1.0 - smoothstep(0.083, 0.125, dense));
     float light = dot(color, vec3(0.30, 0.59, 0.11));
     color = mix(color, light > 0.42 ? color * 0.45 : mix(color, vec3(1.0), 0.5), 0.75 * ink);
   }

@@ -5,6 +5,7 @@ import {element, svg} from './controls.js';
 const kIcons = {
   frame: 'M3 7V3h4M13 3h4v4M17 13v4h-4M7 17H3v-4M10 7v6M7 10h6',
   picture: 'M10 3v9M6.5 8.5 10 12l3.5-3.5M3 13v4h14v-4',
+  link: 'M8.5 11.5a3 3 0 0 0 4.2 0l2.6-2.6a3 3 0 0 0-4.2-4.2L10 5.8M11.5 8.5a3 3 0 0 0-4.2 0l-2.6 2.6a3 3 0 0 0 4.2 4.2L10 14.2',
   theme: 'M10 3a7 7 0 1 0 0 14zM10 3a7 7 0 0 1 0 14',
   help: 'M7.4 7.6a2.7 2.7 0 1 1 3.9 2.4c-.9.5-1.3 1-1.3 2M10 15.2v.1',
   panel: 'M3 5.5h14M3 10h14M3 14.5h14',
@@ -20,6 +21,7 @@ export class Toolbar {
     this.element = element('div', {id: 'toolbar', role: 'toolbar', 'aria-label': 'picture'},
       button('frame', 'all in the picture', () => viewer.frame()),
       button('picture', 'save the picture', () => this.save()),
+      button('link', 'link to this view', () => viewer.keepView()),
       button('theme', 'dark or light', () => this.toggleTheme()),
       button('help', 'help', () => viewer.help.toggle()), this.panelButton);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => viewer.readTheme());

@@ -3,11 +3,12 @@
 // controls of their own build on its public methods alone; view/README.md lists them.
 import {unpacked} from './blob.js';
 import {Camera, onPicture} from './camera.js';
-import {niceStep, parsedColor, shown} from './colors.js';
+import {niceBelow, niceStep, parsedColor, shown} from './colors.js';
 import {Section, element} from './controls.js';
 import {FieldData} from './field_data.js';
 import {Help} from './help.js';
 import {Legend} from './legend.js';
+import {fragmentOf} from './link.js';
 import {MeshData} from './mesh_data.js';
 import {buildPanel} from './panel.js';
 import {pick} from './pick.js';
@@ -31,16 +32,22 @@ export class Viewer {
     if (!gl) throw new Error('This browser does not offer WebGL 2, which draws the picture. Try another browser, or another machine.');
     this.gl = gl;
     this.look = {
-      slices: [0, 1, 2].map(() => ({shown: false, at: 0.5})), contours: true, colormap: 'auto', rangeShare: 1, comparison: 'all',
-      mesh: {shown: true, opacity: 1, flat: false, colored: false, cut: false, occluded: true, edges: 'none'},
-      iso: {shown: false, value: 0}, points: {shown: false, band: 0},
+      slices: [0, 1, 2].map(() => ({shown: false, at: 0.5, touched: false})), contours: true, comparison: 'all',
+      colormap: 'auto', range: null, rangeShare: 1, logarithmic: false,
+      mesh: {shown: true, opacity: 1, flat: false, colored: false, cut: true, occluded: true, edges: 'none'},
+      meshes: {},  // by id: {hidden, color}, where they are not as all are
+      iso: {shown: false, value: 0, opacity: 1}, points: {shown: false, band: 0},
+      clip: {shown: false, axis: 0, at: 0.5, flipped: false},
       axisColors: [], beyond: [0.5, 0.5, 0.5],
     };
     this.camera = new Camera('xyz'.indexOf(config.up));
     this.scene = new Scene(gl, config, this.look);
-    this.renderer = new Renderer(gl, (...a) => this.drawViews(...a), () => this.pieces(), () => this.afterFrame());
+    this.renderer = new Renderer(gl, (...a) => this.drawViews(...a), () => this.pieces(), () => this.afterFrame(),
+      more => this.scene.meshLayer.resize(more));
     this.extraSections = [];
     this.extraKeys = [];
+    this.measures = false;  // whether the next click ends a distance, or begins one
+    this.changed = this.changed.bind(this);
     this.buildOverlays();
     this.readTheme();
     followPointers(this.canvas, this.camera, {
@@ -125,6 +132,7 @@ export class Viewer {
 
   buildOverlays() {
     this.legends = [new Legend(this.config), new Legend(this.config)];  // of distances, of differences
+    this.panelLegends = element('div', {class: 'legends'}, this.legends[1].element);  // where several pictures share them
     this.triad = new Triad((axis, side) => { this.camera.along(axis, side); this.changed(); });
     this.readout = element('div', {id: 'readout', 'aria-hidden': 'true', hidden: true}, element('b'), element('span'));
     this.marker = element('div', {id: 'marker', hidden: true, 'aria-hidden': 'true'}, element('span'));
@@ -133,7 +141,7 @@ export class Viewer {
     this.handles = new SliceHandles(this);
     this.help = new Help(this.keys(), this.extraKeys);
     this.toolbar = new Toolbar(this);
-    this.stage.append(this.labels, this.handles.element, this.marker, ...this.legends.map(legend => legend.element), this.triad.element, this.readout,
+    this.stage.append(this.labels, this.handles.element, this.marker, this.triad.element, this.readout,
       this.statusLine, this.toolbar.element);
     document.body.append(this.help.dialog);
   }
@@ -151,6 +159,7 @@ export class Viewer {
       [['+', '='], 'nearer', act(() => camera.zoom(0.88))], [['-'], 'farther', act(() => camera.zoom(1 / 0.88))],
       [['0', 'r'], 'all in the picture', act(() => this.frame())],
       [['1', '2', '3'], 'along x, y, z', act(e => camera.along(Number(e.key) - 1, 1))],
+      [['u'], 'the next axis points up', act(() => this.standUp((camera.up + 1) % 3))],
       [['o'], 'parallel or perspective', act(() => { camera.parallel = !camera.parallel; })],
       [['x', 'y', 'z'], 'slices', act(e => { const s = look.slices['xyz'.indexOf(e.key)]; s.shown = !s.shown; })],
       [['[', ']'], 'move the slices', e => slide(e.key === '[' ? -1 : 1)(e)],
@@ -158,6 +167,8 @@ export class Viewer {
       [['m'], 'mesh', act(() => { look.mesh.shown = !look.mesh.shown; })],
       [['i'], 'isosurface', act(() => { look.iso.shown = !look.iso.shown; })],
       [['p'], 'samples near the surface', act(() => { look.points.shown = !look.points.shown; })],
+      [['c'], 'clip', act(() => { look.clip.shown = !look.clip.shown; })],
+      [['d'], 'distance of two points', act(() => this.measure(!this.measures))],
       [['k'], 'cut the mesh at slices', act(() => { look.mesh.cut = !look.mesh.cut; })],
       [['f'], 'flat or smooth', act(() => { look.mesh.flat = !look.mesh.flat; })],
       [['Enter'], 'read the value in the middle', () => this.readAt(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2)],
@@ -198,11 +209,26 @@ export class Viewer {
   // Begins with the plane that shows the most, as standoff slice does.
   chooseSlice(field) {
     const most = Math.max(...field.range.map(Math.abs));
-    this.look.iso.value = niceStep(most, 12);
+    const {borderLeast} = field, usual = niceStep(most, 12);
+    this.look.iso.value = borderLeast > 0 && usual >= borderLeast ? niceBelow(0.95 * borderLeast) : usual;
     this.look.points.band = Math.min(1.5 * Math.max(...field.spacing), most);
     const slice = this.look.slices[field.plane];
     slice.at = field.plane_at;
     slice.shown = slice.touched = true;
+  }
+
+  /// Makes an axis the one that points up: 0 x, 1 y, 2 z.
+  standUp(axis) {
+    this.camera.standUp(axis);
+    this.frame();
+  }
+
+  /// Puts what is seen into the page's address, and that on the clipboard where the browser lets it.
+  async keepView() {
+    history.replaceState(null, '', fragmentOf(this));
+    const kept = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+    this.status(kept ? 'The link to this view is on the clipboard.' : 'The page\'s address is now the link to this view.');
+    setTimeout(() => this.status(''), 3000);
   }
 
   frame() {
@@ -211,8 +237,12 @@ export class Viewer {
     this.changed();
   }
 
-  get wide() { return this.canvas.clientWidth >= this.canvas.clientHeight; }
-  views() { return viewsOf(this.scene, this.look, this.wide); }
+  get isPhone() { return matchMedia('(max-width: 760px)').matches; }
+  views() {
+    const {camera, canvas, scene} = this, size = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];
+    return viewsOf(scene, this.look, size, rect =>
+      camera.pixelsPerUnit(rect[3] * size[1], this.aspectOf(rect)) * scene.scale / (camera.parallel ? 1 : camera.distance));
+  }
   aspectOf(rect) { return this.canvas.clientWidth * rect[2] / Math.max(1, this.canvas.clientHeight * rect[3]); }
   pieces() { return Math.max(1, ...[...this.scene.meshes.keys()].map(id => this.scene.meshLayer.pieces(id))); }
 
@@ -235,7 +265,7 @@ export class Viewer {
   afterFrame() {
     const views = this.views();
     this.triad.turn(this.camera.axes());
-    this.legends.forEach((legend, n) => legend.show(views.findLast(v => v.fields.length > 0 && v.difference === (n === 1))));
+    this.showLegends(views);
     const labels = JSON.stringify(views.map(view => [view.label, view.rect]));
     if (labels !== this.labelled) this.labelViews(views);
     this.labelled = labels;
@@ -246,11 +276,24 @@ export class Viewer {
     this.drawn = (this.drawn ?? 0) + 1;
   }
 
+  // Over one picture; of several in the panel, where they hide nothing.
+  showLegends(views) {
+    const several = views.length > 1, [first, second] = this.legends, home = several ? this.panelLegends : this.stage;
+    if (first.element.parentNode !== home) home.prepend(first.element);
+    const shown = [false, true].map(difference => views.findLast(v => v.fields.length > 0 && v.difference === difference));
+    if (!several) shown.splice(0, 2, shown[0] ?? shown[1]);
+    first.show(shown[0], !several && this.isPhone, several);
+    second.show(shown[1], false, several);
+    const scaled = views.find(v => v.fields.length > 0);
+    if (scaled) this.controls.showScale?.(scaled);
+  }
+
   labelViews(views) {
     this.labels.replaceChildren(...views.filter(v => v.label).map(view => {
       const label = element('span', {}, view.label);
       label.style.left = `${100 * view.rect[0]}%`;
       label.style.top = `${100 * (1 - view.rect[1] - view.rect[3])}%`;
+      label.classList.toggle('first', view.rect[1] + view.rect[3] > 0.99);
       return label;
     }));
   }
@@ -294,25 +337,47 @@ export class Viewer {
     });
   }
 
+  /// Whether clicks measure distances.
+  measure(on) {
+    this.measures = on;
+    this.began = null;
+    this.setLines('measured', null);
+  }
+
   /// Reads the value under a pixel of the canvas, and marks it.
   readAt(px, py) {
     const found = this.pinned = this.probe(px, py);
     this.marker.firstChild.textContent = found ? valueOf(found) : '';
+    if (found && this.measures) this.measureTo(found);
     this.controls.showPoint(found ? this.factsOf(found) : [['', 'Nothing is there.']]);
     this.changed();
     if (found && this.askExact) this.addExact(found);
     return found;
   }
+  // The first click begins a distance, the second ends it.
+  measureTo(found) {
+    const from = this.began;
+    this.began = from ? null : found;
+    this.setLines('measured', from && [...from.point, ...found.point], [...this.look.ink, 1]);
+    if (!from) {
+      this.marker.firstChild.textContent = 'from here to ..';
+      return;
+    }
+    found.from = from;
+    this.marker.firstChild.textContent = shown(lengthBetween(found));
+  }
+
   // What a server computes from the mesh itself follows when it comes.
   async addExact(found) {
     const exact = await this.askExact(found.point).catch(() => null);
     if (!exact || this.pinned !== found) return;
     found.exact = exact;
-    this.marker.firstChild.textContent = shown(exact.distance, 6);
+    if (!this.measures) this.marker.firstChild.textContent = shown(exact.distance, 6);
     this.controls.showPoint(this.factsOf(found));
   }
-  factsOf({field, other, difference, point, kind, name, triangle, exact}) {
-    const rows = [];
+  factsOf(found) {
+    const {field, other, difference, point, kind, name, triangle, exact, from} = found, rows = [];
+    if (from) rows.push(['from', `(${from.point.map(v => shown(v, 5)).join(', ')})`], ['length', shown(lengthBetween(found), 6)]);
     if (exact) {
       rows.push(['exact distance', shown(exact.distance, 9)], ['nearest point', `(${exact.point.map(v => shown(v, 6)).join(', ')})`]);
       if (exact.triangle !== null) rows.push(['of triangle', String(exact.triangle)]);
@@ -335,5 +400,6 @@ export class Viewer {
   }
 }
 
+const lengthBetween = ({from, point}) => Math.hypot(...point.map((v, k) => v - from.point[k]));
 const valueOf = ({difference, field, name}) => difference !== null ? shown(difference) : field ? valueText(field) : name;
 const valueText = at => (at.clamped ? (at.value < 0 ? 'below ' : 'beyond ') : '') + shown(at.value);

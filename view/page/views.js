@@ -1,31 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which fields are shown side by side, and in which colours.
+// Which fields are shown side by side, where, and in which colours.
 import {niceStep} from './colors.js';
 
 const kComparisons = {first: [[0]], second: [[1]], both: [[0], [1]], all: [[0], [1], [0, 1]], difference: [[0, 1]]};
+const kNearest = 14, kFarthest = 60;  // pixels between contour lines, where a field is seen face to face
 
-/// The views of a comparison: {fields, difference, label, range, colormap, contourStep, zeroLine, banded, rect}; a rect
-/// is in parts of the picture, from its lower left. `look`: {comparison, colormap, rangeShare, contours}.
-export function viewsOf(scene, look, wide) {
+/// The views of a comparison: {fields, difference, label, range, diverging, logarithmic, colormap, contourStep, zeroLine,
+/// banded, rect}; a rect is in parts of the picture, from its lower left. `look`: {comparison, colormap, range, rangeShare,
+/// logarithmic, contours}; `size`: of the picture, pixels; `pixelsOf(rect)`: of a world unit, about where one looks.
+export function viewsOf(scene, look, size, pixelsOf) {
   const wanted = scene.fields.size < 2 ? [scene.fields.size ? [0] : []] : kComparisons[look.comparison];
+  const rects = arranged(wanted.length, ...size);
   return wanted.map((numbers, n) => {
     const fields = numbers.map(k => scene.field(k)), difference = fields.length === 2;
-    const share = 1 / wanted.length;
     const view = {
-      fields, difference, banded: fields.some(f => f.clamped > 0),
+      fields, difference, banded: fields.some(f => f.clamped > 0), logarithmic: look.logarithmic, rect: rects[n],
       label: wanted.length < 2 ? '' : difference ? `${fields[0].name} − ${fields[1].name}` : fields[0].name,
-      rect: wide ? [n * share, 0, share, 1] : [0, 1 - (n + 1) * share, 1, share],
     };
-    const [least, greatest] = difference ? differenceRange(scene, ...fields) : fields.length ? rangeOf(scene, fields[0], numbers[0]) : [0, 1];
-    const diverging = difference || (fields.length > 0 && fields[0].signed);
-    view.colormap = look.colormap === 'auto' || difference ? (diverging ? 'diverging' : 'viridis') : look.colormap;
-    const most = Math.max(Math.abs(least), Math.abs(greatest)) * look.rangeShare || 1e-30;
-    view.range = diverging ? [-most, most] : [least, least + (greatest - least) * look.rangeShare || 1];
+    view.diverging = difference || (fields.length > 0 && fields[0].signed);
+    view.colormap = look.colormap === 'auto' || difference ? (view.diverging ? 'diverging' : 'viridis') : look.colormap;
+    view.range = !difference && look.range || wholeRange(scene, fields, view.diverging, look.rangeShare);
     // A difference is noise where fields agree: lines would show it as if it were more.
-    view.zeroLine = diverging && !difference;
-    view.contourStep = look.contours && !difference ? niceStep(view.range[1] - view.range[0], 24) : 0;
+    view.zeroLine = view.diverging && !difference;
+    const apart = pixels => niceStep(pixels / pixelsOf(view.rect), 1, true);
+    view.contourStep = look.contours && fields.length > 0 && !difference
+      ? Math.max(apart(kNearest), Math.min(apart(kFarthest), niceStep(view.range[1] - view.range[0], 24))) : 0;
     return view;
   });
+}
+
+// Rows of pictures, from the upper left, in which each is as large as can be.
+function arranged(count, width, height) {
+  let columns = 1;
+  const smaller = c => Math.min(width / c, height / Math.ceil(count / c));
+  for (let c = 2; c <= count; ++c) if (smaller(c) > smaller(columns)) columns = c;
+  const rows = Math.ceil(count / columns);
+  return Array.from({length: count}, (_, n) =>
+    [n % columns / columns, 1 - (Math.floor(n / columns) + 1) / rows, 1 / columns, 1 / rows]);
+}
+
+function wholeRange(scene, fields, diverging, share) {
+  const [least, greatest] = fields.length === 2 ? differenceRange(scene, ...fields) : fields.length ? rangeOf(scene, fields[0]) : [0, 1];
+  const most = Math.max(Math.abs(least), Math.abs(greatest)) * share || 1e-30;
+  return diverging ? [-most, most] : [least, least + ((greatest - least) * share || 1)];
 }
 
 // Of both fields where there are two: the same colour is then the same value.

@@ -235,6 +235,7 @@ FieldFile read_npz(const FileView& file, const FieldRequest& request) {
   stored.provenance.version = archive.text("version");
   stored.provenance.mesh_hash = archive.hash("mesh_hash");
   if (archive.find("sign")) stored.provenance.sign = archive.text("sign");
+  if (archive.find("up")) stored.provenance.up = axis_in(archive.text("up"));
   if (const auto nearest = archive.find(kNearestName)) {
     Size3 size;
     stored.nearest = archive.samples(*nearest, "u4", size);
@@ -257,6 +258,7 @@ void write_npz(AtomicFile& file, const FieldSource& field, const FieldWriteOptio
   arrays.small("mesh_hash", {"<u8", {}, false}, std::as_bytes(std::span(&hash, 1)));
   arrays.text("version", field.provenance().version);
   if (!field.provenance().sign.empty()) arrays.text("sign", field.provenance().sign);
+  if (field.provenance().up) arrays.text("up", axis_text(field.provenance().up));
   for (const SampleArray& array : field.arrays()) arrays.samples(field, array, options);
   arrays.finish();
 }

@@ -244,6 +244,7 @@ FieldFile read_nrrd(const FileView& file, const FieldRequest& request) {
   if (const NrrdLine* line = header.key("method")) stored.provenance.method = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("version")) stored.provenance.version = line->text.substr(0, kMaxText);
   if (const NrrdLine* line = header.key("sign")) stored.provenance.sign = line->text.substr(0, kMaxText);
+  if (const NrrdLine* line = header.key("up")) stored.provenance.up = axis_in(line->text);
   if (const NrrdLine* line = header.key("mesh_hash")) stored.provenance.mesh_hash = hash_in(line->text).value_or(0);
   return load_field(file, stored, request);
 }
@@ -256,6 +257,7 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
   };
   const Vec3 corner = grid.corner();
   const std::string& sign = field.provenance().sign;
+  const std::string up = axis_text(field.provenance().up);
   const std::string header =
       "NRRD0005\n# Distances to a triangle mesh, at most the thickness, by standoff\n"
       "type: float\ndimension: 3\nspace dimension: 3\nsizes: " +
@@ -265,7 +267,7 @@ void write_nrrd(AtomicFile& file, const FieldSource& field, const FieldWriteOpti
       "encoding: " + (options.compress ? "gzip" : "raw") + "\nspace origin: " + vector(corner.x, corner.y, corner.z) +
       "\nthickness:=" + text(field.thickness()) + "\nmethod:=" + escaped(field.provenance().method) +
       "\nmesh_hash:=" + hash_text(field.provenance().mesh_hash) + "\nversion:=" + escaped(field.provenance().version) +
-      (sign.empty() ? "" : "\nsign:=" + escaped(sign)) + "\n\n";
+      (sign.empty() ? "" : "\nsign:=" + escaped(sign)) + (up.empty() ? "" : "\nup:=" + up) + "\n\n";
   file.write(header.data(), header.size());
   const SampleArray& distances = field.arrays()[0];
   if (options.compress)

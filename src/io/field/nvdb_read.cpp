@@ -207,6 +207,7 @@ class NvdbReader {
       if (name == "method") facts_.provenance.method = value;
       if (name == "version") facts_.provenance.version = value;
       if (name == "sign") facts_.provenance.sign = value;
+      if (name == "up") facts_.provenance.up = axis_in(value);
       if (name == "mesh_hash") facts_.provenance.mesh_hash = hash_in(value).value_or(0);
       if (name != "size") continue;
       const auto words = words_of(value);

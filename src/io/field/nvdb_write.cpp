@@ -155,7 +155,7 @@ class NvdbWriter {
     std::string text = "size=" + std::to_string(size.x) + " " + std::to_string(size.y) + " " + std::to_string(size.z) +
                        "\nthickness=" + exact_text(field_.thickness()) + "\nmethod=" + escaped(from.method) +
                        "\nmesh_hash=" + hash_text(from.mesh_hash) + "\nversion=" + escaped(from.version) +
-                       "\nsign=" + escaped(from.sign) + "\n";
+                       "\nsign=" + escaped(from.sign) + "\n" + (from.up ? "up=" + axis_text(from.up) + "\n" : "");
     constexpr std::size_t kAligned = 32;
     text.append((kAligned - text.size() % kAligned) % kAligned, '\0');
     return text;

@@ -33,7 +33,7 @@ enum class ValuesKind : std::uint8_t {
 
 inline constexpr const char *kSizeFact = "standoff_size", *kThicknessFact = "standoff_thickness",
                             *kMethodFact = "standoff_method", *kHashFact = "standoff_mesh_hash",
-                            *kVersionFact = "standoff_version", *kSignFact = "standoff_sign";
+                            *kVersionFact = "standoff_version", *kSignFact = "standoff_sign", *kUpFact = "standoff_up";
 
 void write_vdb(AtomicFile& file, const DistanceField& field, const FieldWriteOptions& options);
 

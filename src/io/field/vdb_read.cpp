@@ -242,6 +242,7 @@ class VdbReader {
       if (name == kMethodFact) facts_.provenance.method = text;
       if (name == kVersionFact) facts_.provenance.version = text;
       if (name == kSignFact) facts_.provenance.sign = text;
+      if (name == kUpFact) facts_.provenance.up = axis_in(text);
       if (name == kHashFact) facts_.provenance.mesh_hash = hash_in(text).value_or(0);
     }
   }

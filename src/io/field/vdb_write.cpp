@@ -118,6 +118,7 @@ class VdbWriter {
     facts.text(kHashFact, hash_text(field_.provenance().mesh_hash));
     facts.text(kVersionFact, field_.provenance().version);
     facts.text(kSignFact, field_.provenance().sign);
+    if (field_.provenance().up) facts.text(kUpFact, axis_text(field_.provenance().up));
     return facts.grid_front(grid.corner(), grid.spacing);
   }
 

@@ -291,6 +291,7 @@ class VtiReader {
     if (name == "method") stored_.provenance.method = string_of(tag);
     if (name == "version") stored_.provenance.version = string_of(tag);
     if (name == "sign") stored_.provenance.sign = string_of(tag);
+    if (name == "up") stored_.provenance.up = axis_in(string_of(tag));
     if (name == "mesh_hash") stored_.provenance.mesh_hash = hash_in(string_of(tag)).value_or(0);
   }
 
@@ -393,6 +394,7 @@ std::vector<Fact> facts_of(const FieldSource& field) {
   text("mesh_hash", hash_text(from.mesh_hash));
   text("version", from.version);
   if (!std::string(from.sign.c_str()).empty()) text("sign", from.sign);
+  if (from.up) text("up", axis_text(from.up));
   return facts;
 }
 

@@ -57,7 +57,8 @@ std::vector<SampleArray> arrays_of(const DistanceField& field, std::span<const S
 }
 
 std::set<std::string> reserved_names() {
-  return {"distance", "nearest_triangle", "origin", "spacing", "thickness", "method", "mesh_hash", "version", "sign"};
+  return {"distance", "nearest_triangle", "origin",  "spacing", "thickness",
+          "method",   "mesh_hash",        "version", "sign",    "up"};
 }
 
 void check_sidecars(const DistanceField& field, std::span<const Sidecar> sidecars) {

@@ -412,6 +412,6 @@ Mesh read_3ds(const FileView& file, MeshReadReport& report) { return StudioReade
 
 }  // namespace
 
-constinit const MeshFormat kMesh3ds{"3ds", "3DS", "3D Studio", is_3ds, read_3ds};
+constinit const MeshFormat kMesh3ds{"3ds", "3DS", "3D Studio", is_3ds, read_3ds, nullptr, false, Axis::y};
 
 }  // namespace standoff

@@ -356,6 +356,6 @@ Mesh read_dae(const FileView& file, MeshReadReport& report) { return ColladaRead
 
 }  // namespace
 
-constinit const MeshFormat kMeshDae{"dae", "DAE", "COLLADA", is_dae, read_dae};
+constinit const MeshFormat kMeshDae{"dae", "DAE", "COLLADA", is_dae, read_dae, nullptr, false, Axis::y};
 
 }  // namespace standoff

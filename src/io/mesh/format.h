@@ -2,6 +2,7 @@
 // The table of mesh formats. A format is one file here, which defines its row, and the name of the row in the table.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "files/atomic_file.h"
@@ -20,7 +21,8 @@ struct MeshFormat {
   Mesh (*read)(const FileView&, MeshReadReport&);
   /// Everything but the commit; nullptr when it cannot.
   void (*write)(AtomicFile&, MeshView, const MeshWriteOptions&) = nullptr;
-  bool packed = false;  ///< its files are compressed, so that gzip around them is refused
+  bool packed = false;          ///< its files are compressed, so that gzip around them is refused
+  std::optional<Axis> up = {};  ///< what points up in what is read, by custom or as it is turned
 };
 
 /// The table, in the order of help and messages; the content of a file without a known extension is tried in this

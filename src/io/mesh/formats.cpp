@@ -78,7 +78,9 @@ const MeshFormat& format_to_read(const FileView& file) {
 
 Mesh read_as(const MeshFormat& format, const FileView& file, MeshReadReport& report) {
   report.format = format.extension;
-  return format.read(file, report);
+  Mesh mesh = format.read(file, report);
+  report.up = format.up ? *format.up : up_axis(mesh);
+  return mesh;
 }
 
 // What is packed by gzip, by its name or, where the name says no format, by its content.

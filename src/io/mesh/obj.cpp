@@ -187,6 +187,7 @@ void write_obj(AtomicFile& file, MeshView mesh) {
 
 }  // namespace
 
-constinit const MeshFormat kMeshObj{"obj", "OBJ", "Wavefront OBJ", is_obj, as_is<read_obj>, as_they_are<write_obj>};
+constinit const MeshFormat kMeshObj{"obj", "OBJ",  "Wavefront OBJ", is_obj, as_is<read_obj>, as_they_are<write_obj>,
+                                    false, Axis::y};
 
 }  // namespace standoff

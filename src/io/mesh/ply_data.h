@@ -183,9 +183,10 @@ void skip_property(Body& body, const PlyRow& row, const PlyProperty& property) {
   body.skip(property.type, property.list ? list_length(body, row, property) : 1);
 }
 
-/// The next row's position; all else of the row is passed over.
+/// The next row's position, and into `number` its property `beside`, if that is not below 0; all else is passed over.
 template <class Body>
-Vec3 read_position(Body& body, const PlyRow& row, const std::array<int, 3>& axes) {
+Vec3 read_position(Body& body, const PlyRow& row, const std::array<int, 3>& axes, int beside = -1,
+                   double* number = nullptr) {
   Vec3 position;
   for (int p = 0; const PlyProperty& property : row.element->properties) {
     if (p == axes[0])
@@ -194,6 +195,8 @@ Vec3 read_position(Body& body, const PlyRow& row, const std::array<int, 3>& axes
       position.y = body.template value<double>(property.type);
     else if (p == axes[2])
       position.z = body.template value<double>(property.type);
+    else if (p == beside)
+      *number = body.template value<double>(property.type);
     else
       skip_property(body, row, property);
     ++p;

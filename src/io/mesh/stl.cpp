@@ -220,6 +220,7 @@ void write_stl(AtomicFile& file, MeshView mesh) {
 }  // namespace
 
 constinit const MeshFormat kMeshStl{"stl",  "STL",           "STL, binary or ASCII; written as binary",
-                                    is_stl, as_is<read_stl>, as_they_are<write_stl>};
+                                    is_stl, as_is<read_stl>, as_they_are<write_stl>,
+                                    false,  Axis::z};
 
 }  // namespace standoff

@@ -481,6 +481,7 @@ Mesh read_3mf(const FileView& file, MeshReadReport& report) {
 
 }  // namespace
 
-constinit const MeshFormat kMesh3mf{"3mf", "3MF", "3D Manufacturing Format", is_3mf, read_3mf, write_3mf, true};
+constinit const MeshFormat kMesh3mf{"3mf", "3MF",  "3D Manufacturing Format", is_3mf, read_3mf, write_3mf,
+                                    true,  Axis::y};
 
 }  // namespace standoff

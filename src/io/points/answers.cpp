@@ -21,6 +21,7 @@ static_assert(std::endian::native == std::endian::little);
 
 std::vector<AnswerColumn> columns_of(const AskedAnswers& asked) {
   std::vector<AnswerColumn> columns{{"distance", CellType::number, {"distance"}}};
+  if (asked.point) columns.push_back({"point", CellType::number, {"x", "y", "z"}});
   if (asked.closest) columns.push_back({"closest", CellType::number, {"closest_x", "closest_y", "closest_z"}});
   if (asked.triangle) columns.push_back({"triangle", CellType::triangle, {"triangle"}});
   if (asked.barycentric) columns.push_back({"barycentric", CellType::number, {"w0", "w1", "w2"}});
@@ -43,9 +44,11 @@ void PackedRow::put(Vec3 v) { put(v.x), put(v.y), put(v.z); }
 PackedRow::PackedRow(const AskedAnswers& asked, const AnswerBlock& block, std::size_t n) {
   if (!asked.needs_closest()) {
     put(block.distances[n]);
+    if (asked.point) put(block.points[n]);
   } else {
     const ClosestPoint& it = block.closest[n];
     put(it.distance);
+    if (asked.point) put(block.points[n]);
     if (asked.closest) put(it.point);
     if (asked.triangle) put(it.triangle);
     if (asked.barycentric) put(Vec3{it.barycentric[0], it.barycentric[1], it.barycentric[2]});
@@ -199,9 +202,15 @@ const char* ply_type(CellType type) {
 
 class PlyFile : public CountedRows {
  public:
-  using CountedRows::CountedRows;
+  PlyFile(const std::filesystem::path& path, AskedAnswers asked, Existing existing)
+      : CountedRows(path, without_point(asked), existing) {}
 
  private:
+  // Rows begin with it, whether it is asked or not.
+  static AskedAnswers without_point(AskedAnswers asked) {
+    asked.point = false;
+    return asked;
+  }
   bool with_point() const override { return true; }
 
   std::string header(std::uint64_t rows) const override {

@@ -21,6 +21,7 @@ namespace standoff {
 
 /// What is asked beside the distance.
 struct AskedAnswers {
+  bool point = false;  ///< the point itself
   bool closest = false, triangle = false, barycentric = false, feature = false, gradient = false, winding = false;
 
   /// Whether closest points are needed, or distances will do.
@@ -66,7 +67,7 @@ class PackedRow {
   void put(T value);
   void put(Vec3 v);
 
-  char bytes_[8 + 24 + 4 + 24 + 1 + 24 + 8];
+  char bytes_[8 + 24 + 24 + 4 + 24 + 1 + 24 + 8];
   std::size_t size_ = 0;
 };
 

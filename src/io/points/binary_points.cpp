@@ -160,14 +160,19 @@ class PlyPoints : public PointReader {
     if (!row_.element)
       file_->fail("header", "there are no vertices, which would be the points; write the file again with them");
     axes_ = position_axes(*file_, *row_.element);
+    distance_ = row_.element->find("distance");
+    if (distance_ >= 0 && row_.element->properties[static_cast<std::size_t>(distance_)].list) distance_ = -1;
     pass_over_what_is_before(*row_.element);
     check_count(*file_, *row_.element, body_);
   }
 
   std::size_t read(std::span<Vec3> points) override {
     std::size_t n = 0;
+    distances_.clear();
     for (; n < points.size() && row_.number < row_.element->count; ++n, ++row_.number) {
-      points[n] = read_position(body_, row_, axes_);
+      double distance = 0;
+      points[n] = read_position(body_, row_, axes_, distance_, &distance);
+      if (distance_ >= 0) distances_.push_back(distance);
       if (!check_point(points[n], invalid_) && invalid_ == InvalidPoints::reject)
         file_->fail("vertex " + std::to_string(row_.number), invalid_point(row_.number, points[n]));
     }
@@ -202,6 +207,7 @@ class PlyPoints : public PointReader {
   PlyRow row_;
   Body body_;
   std::array<int, 3> axes_{};
+  int distance_ = -1;  // the property of that name
   InvalidPoints invalid_;
   std::uint64_t forgotten_ = 0;
 };

@@ -32,10 +32,16 @@ class PointReader {
   /// Reads the next points, as many as there is room for: fewer at the end alone. Errors: input, as `FILE:WHERE: what;
   /// what to do`.
   virtual std::size_t read(std::span<Vec3> points) = 0;
+  /// The numbers of the points that were read last in the column `distance`, as standoff points writes it; empty in
+  /// files without one.
+  std::span<const double> distances() const { return distances_; }
   /// How many points there are in all, where that is known before they are read.
   virtual std::optional<std::uint64_t> count() const { return std::nullopt; }
   /// The share that was read, 0 to 1; 0 where the end is unknown.
   virtual double fraction() const = 0;
+
+ protected:
+  std::vector<double> distances_;
 };
 
 /// Opens a file of points. Its content decides the format; "-" is text from the standard input. The names of formats

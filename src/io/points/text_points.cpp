@@ -90,6 +90,7 @@ class TextPoints : public PointReader {
 
   std::size_t read(std::span<Vec3> points) override {
     std::size_t n = 0;
+    distances_.clear();
     for (std::string_view line; n < points.size() && lines_.next(line);) {
       if (!std::exchange(begun_, true) && begin(line)) continue;
       points[n] = point(line);
@@ -119,6 +120,7 @@ class TextPoints : public PointReader {
     for (std::string_view field; fields.next(field); ++column) {
       if (begins_like_number(field)) return false;
       if (column < 3) first[static_cast<std::size_t>(column)] = field;
+      if (field == "distance") distance_ = column;
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (field.size() == 1 && (field[0] | 0x20) == "xyz"[axis]) {
           if (named[axis] >= 0) lines_.fail("two columns called " + in_quotes(field) + "; rename one");
@@ -145,18 +147,21 @@ class TextPoints : public PointReader {
   Vec3 point(std::string_view line) {
     std::array<double, 3> v{};
     Fields fields(line, separator_);
-    const int last = std::max({columns_[0], columns_[1], columns_[2]});
+    const int last = std::max({columns_[0], columns_[1], columns_[2], distance_});
+    const auto number = [&](std::string_view field) {
+      const auto value = number_of(field);
+      if (!value)
+        lines_.fail("expected a number, found " + in_quotes(field) +
+                    "; write numbers like 12 or -1.5e3, decimals with a point, between them " + separator_name() +
+                    (read_ == 0 ? " (a line that names columns has no field that begins like a number)" : ""));
+      return *value;
+    };
     int column = 0;
-    for (std::string_view field; column <= last && fields.next(field); ++column)
+    for (std::string_view field; column <= last && fields.next(field); ++column) {
+      if (column == distance_) distances_.push_back(number(field));
       for (std::size_t axis = 0; axis < 3; ++axis)
-        if (columns_[axis] == column) {
-          const auto value = number_of(field);
-          if (!value)
-            lines_.fail("expected a number, found " + in_quotes(field) +
-                        "; write numbers like 12 or -1.5e3, decimals with a point, between them " + separator_name() +
-                        (read_ == 0 ? " (a line that names columns has no field that begins like a number)" : ""));
-          v[axis] = *value;
-        }
+        if (columns_[axis] == column) v[axis] = number(field);
+    }
     if (column <= last)
       lines_.fail("it has " + std::to_string(column) + " of the " + std::to_string(last + 1) +
                   " numbers that a point needs; write x,y,z");
@@ -172,6 +177,7 @@ class TextPoints : public PointReader {
   bool begun_ = false;
   char separator_ = ',';
   std::array<int, 3> columns_{0, 1, 2};
+  int distance_ = -1;  // the column of that name
   std::uint64_t read_ = 0;
   std::uint64_t unknown_names_ = 0;  // the line of names that are not x, y and z, if there is one
   std::string unknown_line_;

@@ -321,7 +321,7 @@ bool read_attributes(const FileView& file, const JsonView& array, const std::opt
     const auto found = own->find(name);
     return found ? found->text() : std::string();
   };
-  store.provenance = {text("method"), 0, text("version"), text("sign")};
+  store.provenance = {text("method"), 0, text("version"), text("sign"), axis_in(text("up"))};
   if (const auto hash = own->find("mesh_hash")) {
     const auto number = hash_in(hash->text());
     if (!number) hash->fail("the mesh's hash is not of the form 0x0123456789abcdef; repair the file");

@@ -103,7 +103,8 @@ std::string own_members(const StoreMetadata& store, bool nearest) {
          ", " + member("nearest", nearest ? "true" : "false") + ", " + member("method", quoted_text(from.method)) +
          ", " + member("sign", quoted_text(from.sign)) + ", " +
          member("mesh_hash", quoted_text(hash_text(from.mesh_hash))) + ", " +
-         member("version", quoted_text(from.version));
+         member("version", quoted_text(from.version)) +
+         (from.up ? ", " + member("up", quoted_text(axis_text(from.up))) : "");
 }
 
 std::uint32_t sum_of(const ArrayLayout& layout, const std::string& members) {

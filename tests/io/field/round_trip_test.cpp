@@ -37,6 +37,7 @@ void expect_same(const DistanceField& a, const DistanceField& b) {
   EXPECT_EQ(a.provenance().mesh_hash, b.provenance().mesh_hash);
   EXPECT_EQ(a.provenance().version, b.provenance().version);
   EXPECT_EQ(a.provenance().sign, b.provenance().sign);
+  EXPECT_EQ(a.provenance().up, b.provenance().up);
   EXPECT_TRUE(a.to_dense() == b.to_dense());
   ASSERT_EQ(a.has_nearest(), b.has_nearest());
   if (!a.has_nearest()) return;
@@ -87,6 +88,10 @@ TEST_P(EveryFieldFormat, KeepsProvenanceOfAnyText) {
   }
   field.set_provenance({"", ~std::uint64_t{0}, "", ""});
   expect_same(through_file(field), field);
+  for (const Axis up : {Axis::x, Axis::y, Axis::z}) {
+    field.set_provenance({"tiles", 0, "", "", up});
+    expect_same(through_file(field), field);
+  }
 }
 
 TEST_P(EveryFieldFormat, KeepsNearestTrianglesOrSaysThatItCannot) {

@@ -50,6 +50,16 @@ Mesh blob(bool fine) {
   return mesh;
 }
 
+TEST(MeshFormats, SayWhatPointsUp) {
+  const TempFolder folder;
+  // It stands on x.
+  const Mesh mesh{{{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0.3, 0.3}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}};
+  for (const auto& [name, up] : {std::pair{"m.obj", Axis::y}, {"m.stl", Axis::z}, {"m.ply", Axis::x}}) {
+    write_mesh(folder / name, mesh);
+    EXPECT_EQ(read_mesh(folder / name).report.up, up) << name;
+  }
+}
+
 TEST(MeshFormats, PlyAndObjKeepEveryBit) {
   const TempFolder folder;
   for (const bool fine : {false, true})

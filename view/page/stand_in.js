@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that share a cell of a lattice become
+// one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line stays, as a line: beams and wires
+// thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
+
+/// Cells along the longest side, the coarsest first.
+export const kCells = [32, 48, 64, 96, 128, 192, 256, 384, 512];
+
+// A set of rows of whole numbers, which keeps them in the order of their coming.
+class Rows {
+  constructor(width) {
+    Object.assign(this, {width, count: 0});
+    this.rows = new Uint32Array(width << 12);
+    this.table = new Int32Array(1 << 14).fill(-1);
+  }
+
+  slot(a, b, c) {
+    const {rows, table, width} = this, mask = table.length - 1;
+    let at = (Math.imul(a, 0x9e3779b1) ^ Math.imul(b, 0x85ebca6b) ^ Math.imul(c, 0xc2b2ae35)) >>> 0;
+    for (at = (at ^ at >>> 15) & mask; table[at] >= 0; at = at + 1 & mask) {
+      const row = width * table[at];
+      if (rows[row] === a && rows[row + 1] === b && (width < 3 || rows[row + 2] === c)) break;
+    }
+    return at;
+  }
+  has(a, b, c = 0) { return this.table[this.slot(a, b, c)] >= 0; }
+  add(a, b, c = 0) {
+    const at = this.slot(a, b, c);
+    if (this.table[at] >= 0) return;
+    this.table[at] = this.count;
+    const row = this.width * this.count++;
+    this.rows[row] = a;
+    this.rows[row + 1] = b;
+    if (this.width > 2) this.rows[row + 2] = c;
+    if (2 * this.count > this.table.length) this.grow();
+  }
+  grow() {
+    const {rows, width} = this;
+    this.table = new Int32Array(2 * this.table.length).fill(-1);
+    for (let n = 0; n < this.count; ++n) this.table[this.slot(rows[width * n], rows[width * n + 1], rows[width * n + 2])] = n;
+    if (width * (this.table.length / 2 + 1) < rows.length) return;
+    this.rows = new Uint32Array(width * (this.table.length / 2 + 1));
+    this.rows.set(rows);
+  }
+  get all() { return this.rows.slice(0, this.width * this.count); }
+}
+
+// For each vertex the number of its cell, counted by first appearance; and how many there are.
+function clustersOf(lattice, vertices, most, cells) {
+  const share = cells / (most + 1), cluster = new Uint32Array(vertices);
+  let table = new Int32Array(1 << 14).fill(-1), keys = new Int32Array(1 << 13), count = 0;
+  const find = key => {
+    let at = Math.imul(key, 0x9e3779b1) >>> 0;
+    for (at = (at ^ at >>> 15) & table.length - 1; table[at] >= 0 && keys[table[at]] !== key;) at = at + 1 & table.length - 1;
+    return at;
+  };
+  for (let n = 0; n < vertices; ++n) {
+    const x = Math.floor(lattice[3 * n] * share), y = Math.floor(lattice[3 * n + 1] * share), z = Math.floor(lattice[3 * n + 2] * share);
+    const key = x + cells * (y + cells * z);
+    let at = find(key);
+    if (table[at] < 0) {
+      keys[count] = key;
+      table[at] = count++;
+      if (2 * count >= table.length) {
+        const larger = new Int32Array(table.length);
+        larger.set(keys);
+        [keys, table] = [larger, new Int32Array(2 * table.length).fill(-1)];
+        for (let k = 0; k < count; ++k) table[find(keys[k])] = k;
+        at = find(key);
+      }
+    }
+    cluster[n] = table[at];
+  }
+  return {cluster, count};
+}
+
+/// A mesh (mesh_data.js) of so many cells: {lattice, normals, vertices, triangles, lines}: places on the mesh's lattice,
+/// normals as normalsOf() makes them, of no weight where faces of a cell face all ways, and indices.
+export function standIn(data, normals, cells) {
+  const {lattice, corners, vertices} = data;
+  let most = 0;
+  for (let n = 0; n < 3 * vertices; ++n) if (lattice[n] > most) most = lattice[n];
+  const {cluster, count} = clustersOf(lattice, vertices, most, cells);
+  const sums = new Float64Array(6 * count), sizes = new Uint32Array(count);
+  for (let n = 0; n < vertices; ++n) {
+    const at = 6 * cluster[n];
+    for (let k = 0; k < 3; ++k) {
+      sums[at + k] += lattice[3 * n + k];
+      sums[at + 3 + k] += normals[4 * n + k];
+    }
+    ++sizes[cluster[n]];
+  }
+  const places = new lattice.constructor(3 * count), averages = new Int16Array(4 * count);
+  for (let n = 0; n < count; ++n) {
+    const [x, y, z] = [3, 4, 5].map(k => sums[6 * n + k] / sizes[n]), size = Math.hypot(x, y, z) || 1;
+    for (let k = 0; k < 3; ++k) places[3 * n + k] = Math.round(sums[6 * n + k] / sizes[n]);
+    averages.set([x, y, z].map(v => v / size * 32767), 4 * n);
+    averages[4 * n + 3] = Math.max(0, 2 * size - 32767);  // half of the way together: as good as none
+  }
+  const triangles = new Rows(3), lines = new Rows(2), edges = new Rows(2);
+  for (let n = 0; n < corners.length; n += 3) {
+    let a = cluster[corners[n]], b = cluster[corners[n + 1]], c = cluster[corners[n + 2]];
+    if (a === b && b === c) continue;
+    if (a === b || b === c || c === a) {
+      const other = a === b ? c : b;
+      lines.add(Math.min(a, other), Math.max(a, other));
+      continue;
+    }
+    if (a > b) [a, b] = [b, a];
+    if (b > c) [b, c] = [c, b];
+    if (a > b) [a, b] = [b, a];
+    triangles.add(a, b, c);
+  }
+  for (let n = 0, {rows} = triangles; n < 3 * triangles.count; n += 3) {
+    edges.add(rows[n], rows[n + 1]);
+    edges.add(rows[n + 1], rows[n + 2]);
+    edges.add(rows[n], rows[n + 2]);
+  }
+  const alone = [];
+  for (let n = 0; n < 2 * lines.count; n += 2)
+    if (!edges.has(lines.rows[n], lines.rows[n + 1])) alone.push(lines.rows[n], lines.rows[n + 1]);
+  return {lattice: places, normals: averages, vertices: count, triangles: triangles.all, lines: Uint32Array.from(alone)};
+}
+
+/// The same of the fewer triangles that a mesh brings along, whose vertices get a list of their own: among all they would
+/// be far apart in memory.
+export function partOf({lattice, proxyCorners}, normals) {
+  const number = new Map(), triangles = proxyCorners.map(v => {
+    if (!number.has(v)) number.set(v, number.size);
+    return number.get(v);
+  });
+  const places = new lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
+  for (const [v, n] of number) {
+    places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
+    few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
+  }
+  return {lattice: places, normals: few, vertices: number.size, triangles, lines: new Uint32Array(0)};
+}
