@@ -37,7 +37,8 @@ class Rows {
   grow() {
     const {rows, width} = this;
     this.table = new Int32Array(2 * this.table.length).fill(-1);
-    for (let n = 0; n < this.count; ++n) this.table[this.slot(rows[width * n], rows[width * n + 1], rows[width * n + 2])] = n;
+    for (let n = 0, at = 0; n < this.count; ++n, at += width)
+      this.table[this.slot(rows[at], rows[at + 1], width > 2 ? rows[at + 2] : 0)] = n;
     if (width * (this.table.length / 2 + 1) < rows.length) return;
     this.rows = new Uint32Array(width * (this.table.length / 2 + 1));
     this.rows.set(rows);
