@@ -141,6 +141,17 @@ SLIDERS = {
 async def readings_are_what_is_drawn(page):
     """Of every slider: its text, what a screen reader says, and what is drawn are one number, after each event."""
     await page.open("page.html")
+    value, border, most = await page.ask("[viewer.look.iso.value, viewer.scene.field(0).borderLeast, viewer.scene.field(0).range[1]]")
+    expect(0 < value < border < most, f"the isosurface begins within the grid: {value}, the border begins at {border}")
+    said = await page.ask("""(() => {
+      const {input} = viewer.controls.isoValue, text = () => input.getAttribute('aria-valuetext');
+      return ['least', 'most'].map(which => {
+        input.value = which === 'least' ? viewer.scene.field(0).borderLeast * 0.99 : input.max;
+        input.dispatchEvent(new Event('input'));
+        return text();
+      });
+    })()""")
+    expect("cut off" not in said[0] and "cut off by the grid" in said[1], f"a surface that the grid cuts off is told: {said}")
     await page.ask(f"({RECORD}, viewer.look.slices.forEach(s => {{ s.shown = true; }}), viewer.look.iso.shown = viewer.look.points.shown = viewer.look.clip.shown = true,"
                    " viewer.look.mesh.cut = false, viewer.rebuild(), viewer.settled())")
     names = await page.ask("[...document.querySelectorAll('#panel input[type=range]')].map(i => i.getAttribute('aria-label') ?? i.labels[0].textContent)")

@@ -55,9 +55,14 @@ function clustersOf(lattice, vertices, most, cells) {
     for (at = (at ^ at >>> 15) & table.length - 1; table[at] >= 0 && keys[table[at]] !== key;) at = at + 1 & table.length - 1;
     return at;
   };
-  for (let n = 0; n < vertices; ++n) {
+  for (let n = 0, last = -1; n < vertices; ++n) {
     const x = Math.floor(lattice[3 * n] * share), y = Math.floor(lattice[3 * n + 1] * share), z = Math.floor(lattice[3 * n + 2] * share);
     const key = x + cells * (y + cells * z);
+    if (key === last) {  // as of most vertices
+      cluster[n] = cluster[n - 1];
+      continue;
+    }
+    last = key;
     let at = find(key);
     if (table[at] < 0) {
       keys[count] = key;
