@@ -49,6 +49,7 @@ async def choose(tab, value):
 async def fields_follow_the_controls(tab, address):
     await opened(tab, address)
     size, thickness = "Math.max(...viewer.scene.field(0).size)", "viewer.scene.field(0).clamped * viewer.scene.field(0).step"
+    expect(await tab.ask("[document.title, viewer.camera.up]") == ["a.obj", 1], "the title is the file's name, and y is up")
     expect(await tab.ask(size) == 24 and await tab.ask(thickness) == 0, "the first field is the one that was asked for")
     expect(await tab.ask("viewer.panel.scrollWidth <= viewer.panel.clientWidth"), "the controls fit their panel")
     await slide(tab, "Resolution", 5)
@@ -72,6 +73,7 @@ async def fields_follow_the_controls(tab, address):
       data.items.add(new File(['OFF\\n4 4 0\\n0 0 0\\n9 0 0\\n0 9 0\\n0 0 9\\n3 0 2 1\\n3 0 1 3\\n3 0 3 2\\n3 1 2 3\\n'], '<i>.off'));
       viewer.stage.dispatchEvent(new DragEvent('drop', {dataTransfer: data, bubbles: true, cancelable: true})); })()""")
     await until(tab, "viewer.scene.meshes.get('live').name === '<i>.off' && viewer.scene.field(0)?.box[1][0] > 8", "a mesh is dropped")
+    expect(await tab.ask("viewer.camera.up") == 2, "it stands on its flattest base")
 
 
 async def flights_are_watched(tab, address):

@@ -141,6 +141,17 @@ SLIDERS = {
 async def readings_are_what_is_drawn(page):
     """Of every slider: its text, what a screen reader says, and what is drawn are one number, after each event."""
     await page.open("page.html")
+    value, border, most = await page.ask("[viewer.look.iso.value, viewer.scene.field(0).borderLeast, viewer.scene.field(0).range[1]]")
+    expect(0 < value < border < most, f"the isosurface begins within the grid: {value}, the border begins at {border}")
+    said = await page.ask("""(() => {
+      const {input} = viewer.controls.isoValue, text = () => input.getAttribute('aria-valuetext');
+      return ['least', 'most'].map(which => {
+        input.value = which === 'least' ? viewer.scene.field(0).borderLeast * 0.99 : input.max;
+        input.dispatchEvent(new Event('input'));
+        return text();
+      });
+    })()""")
+    expect("cut off" not in said[0] and "cut off by the grid" in said[1], f"a surface that the grid cuts off is told: {said}")
     await page.ask(f"({RECORD}, viewer.look.slices.forEach(s => {{ s.shown = true; }}), viewer.look.iso.shown = viewer.look.points.shown = viewer.look.clip.shown = true,"
                    " viewer.look.mesh.cut = false, viewer.rebuild(), viewer.settled())")
     names = await page.ask("[...document.querySelectorAll('#panel input[type=range]')].map(i => i.getAttribute('aria-label') ?? i.labels[0].textContent)")
@@ -225,6 +236,45 @@ async def up_is_what_the_mesh_says(page):
     expect(await page.ask("[viewer.camera.up, viewer.controls.up.element.querySelector('input:checked').value]") == [2, "2"], "u takes the next axis, and the control follows")
     await page.open("odd.html")
     expect(await page.ask("viewer.camera.up") == 1, "so has a field that was made of one")
+
+
+async def stand_ins_keep_beams(page):
+    """Of a large mesh fewer triangles are drawn while it moves; a beam thinner than a cell becomes a line; frames that take
+    too long make them fewer, frames that leave time more."""
+    await page.open("page.html")
+    told = await page.ask("""(() => {
+      const n = 300, lattice = [], corners = [], layer = viewer.scene.meshLayer;
+      for (let j = 0; j <= n; ++j) for (let i = 0; i <= n; ++i)
+        lattice.push(Math.round(65535 * i / n), Math.round(65535 * j / n), Math.round(3000 + 2500 * Math.sin(i / 9) * Math.cos(j / 11)));
+      for (let j = 0; j < n; ++j) for (let i = 0; i < n; ++i) {
+        const a = i + (n + 1) * j, b = a + 1, c = a + n + 1, d = c + 1;
+        corners.push(a, b, c, b, d, c);
+      }
+      for (let k = 0; k <= 500; ++k) for (const [y, z] of [[0, 0], [40, 0], [20, 40]]) lattice.push(Math.round(65535 * k / 500), 30020 + y, 40020 + z);
+      const first = (n + 1) * (n + 1);
+      for (let k = 0; k < 500; ++k) for (let s = 0; s < 3; ++s) {
+        const a = first + 3 * k + s, b = first + 3 * k + (s + 1) % 3;
+        corners.push(a, b, a + 3, b, b + 3, a + 3);
+      }
+      const data = Object.create(Object.getPrototypeOf(viewer.scene.meshes.get('0')));
+      Object.assign(data, {name: 'large', bits: 16, origin: [0, 0, 0], step: 1 / 65535, lattice: Uint16Array.from(lattice), corners: Uint32Array.from(corners),
+        vertices: lattice.length / 3, triangles: corners.length / 3, proxy: 0, proxyCorners: new Uint32Array(0), box: [[0, 0, 0], [1, 1, 1]], chunks: null});
+      layer.set('large', data);
+      const mesh = layer.meshes.get('large'), sizes = [mesh.size], lines = mesh.standIn.lines, thins = layer.thins('large');
+      layer.resize(false), layer.resize(false);
+      sizes.push(mesh.size);
+      for (let k = 0; k < 3; ++k) layer.resize(true);
+      sizes.push(mesh.size);
+      for (let k = 0; k < 3; ++k) layer.resize(true);
+      const whole = !layer.thins('large');
+      layer.set('large', null);
+      layer.budget = 70000;
+      return {sizes, lines, thins, whole};
+    })()""")
+    first, fewer, more = told["sizes"]
+    expect(told["thins"] and 40 <= told["lines"] < first, f"a beam becomes lines: {told}")
+    expect(fewer <= first < more and first < 105000, f"stand-ins follow the time that frames take: {told}")
+    expect(told["whole"], f"where there is time, the mesh itself is drawn: {told}")
 
 
 async def fingers(page):
@@ -471,7 +521,7 @@ async def main():
         page = Page(tab)
         for check in (names_are_text, pointers_and_keys, sliders_and_handles, fingers, pictures_are_saved, values_are_true, data_is_the_programs,
                       surfaces_are_where_the_value_is, bodies_stand_where_poses_say, can_be_used_by_all, readings_are_what_is_drawn,
-                      meshes_have_colors_of_their_own, links_keep_the_view, distances_are_measured, up_is_what_the_mesh_says, looks_as_it_did,
+                      meshes_have_colors_of_their_own, links_keep_the_view, distances_are_measured, up_is_what_the_mesh_says, stand_ins_keep_beams, looks_as_it_did,
                       two_fields_and_their_difference, stored_tiles_look_like_a_dense_texture, odd_data_is_shown):
             await check(page)
         await page.open("page.html", 390, 844, phone=True, scheme="dark")

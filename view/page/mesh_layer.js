@@ -87,6 +87,7 @@ void main() {
 const kPiece = 400000;
 // A mesh of no more triangles than this is always drawn whole.
 const kFew = 70000;
+const kFewest = 20000;    // of a stand-in: with less nothing would be told apart
 const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
 
 export class MeshLayer {
@@ -142,11 +143,11 @@ export class MeshLayer {
 
   /// Frames take too long, or leave time: stand-ins of another size are made, one step finer or coarser.
   resize(longer) {
-    this.budget = longer ? 1.7 * this.budget : Math.max(20000, this.budget / 1.7);
+    this.budget = longer ? 1.7 * this.budget : Math.max(kFewest, this.budget / 1.7);
     for (const mesh of this.meshes.values()) {
       if (!mesh.standIn || mesh.data.proxy || mesh.data.triangles <= this.budget) continue;
       // A step multiplies the triangles by about 2.
-      const wanted = mesh.size * 2 < this.budget ? 1 : mesh.size > this.budget * 1.5 ? -1 : 0;
+      const wanted = longer ? Number(mesh.size * 2 < this.budget) : -Number(mesh.size > this.budget);
       const cells = Math.min(Math.max(mesh.cells + wanted, 0), kCells.length - 1);
       if (cells === mesh.cells) continue;
       mesh.cells = cells;

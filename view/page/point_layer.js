@@ -12,21 +12,24 @@ uniform mat4 camera;
 uniform vec3 origin, spacing;
 uniform float pixels;
 out vec3 color;
+out float round;  // how much of a ball a point is: shades of a few pixels would make moire
 void main() {
   vec3 at = origin + sampleAt.xyz * spacing;
   color = color_of(sampleAt.w);
   gl_Position = camera * vec4(at, 1.0);
-  gl_PointSize = cut_away(at) ? 0.0 : clamp(pixels / gl_Position.w, 1.5, 14.0);
+  gl_PointSize = cut_away(at) ? 0.0 : clamp(pixels / gl_Position.w, 1.5, 24.0);
+  round = smoothstep(6.0, 14.0, gl_PointSize);
   if (cut_away(at)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
 }`;
 const kFragment = `
 in vec3 color;
+in float round;
 out vec4 pixel;
 void main() {
   vec2 q = gl_PointCoord * 2.0 - 1.0;
   float r = dot(q, q);
   if (r > 1.0) discard;
-  pixel = vec4(color * (1.0 - 0.45 * r), 1.0);
+  pixel = vec4(color * (1.0 - 0.45 * r * round), 1.0);
 }`;
 
 export class PointLayer {
@@ -81,7 +84,8 @@ export class PointLayer {
     // Colours of their own: the band is often a small part of all values.
     const most = this.band * frame.scale, range = frame.uniforms.range[0] < 0 ? [-most, most] : [0, most];
     this.program.use({...frame.uniforms, range, logarithmic: false, origin: frame.toScene(field.origin), spacing,
-      pixels: 0.62 * Math.min(...spacing) * frame.pixelsPerUnit * this.every ** (1 / 3)});
+      // They touch: through gaps the layers behind would show, in another rhythm.
+      pixels: 1.6 * Math.min(...spacing) * frame.pixelsPerUnit * this.every ** (1 / 3)});
     gl.bindVertexArray(this.array);
     gl.drawArrays(gl.POINTS, 0, this.count);
     gl.bindVertexArray(null);

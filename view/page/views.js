@@ -3,7 +3,7 @@
 import {niceStep} from './colors.js';
 
 const kComparisons = {first: [[0]], second: [[1]], both: [[0], [1]], all: [[0], [1], [0, 1]], difference: [[0, 1]]};
-const kNearest = 14, kFarthest = 60;  // pixels between contour lines, where a field is seen face to face
+const kNearest = 10, kFarthest = 60;  // pixels between contour lines, where a field is seen face to face
 
 /// The views of a comparison: {fields, difference, label, range, diverging, logarithmic, colormap, contourStep, zeroLine,
 /// banded, rect}; a rect is in parts of the picture, from its lower left. `look`: {comparison, colormap, range, rangeShare,
