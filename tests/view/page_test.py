@@ -151,6 +151,14 @@ async def readings_are_what_is_drawn(page):
         return text();
       });
     })()""")
+    cut = await page.ask("""(() => {
+      const field = viewer.scene.field(0), up = viewer.camera.up, upright = viewer.look.mesh.cut;
+      viewer.camera.up = field.plane, viewer.chooseSlice(field);
+      const lying = viewer.look.mesh.cut;
+      viewer.camera.up = up, viewer.chooseSlice(field);
+      return [upright, lying];
+    })()""")
+    expect(cut == [True, False], f"a slice cuts the mesh, unless what it would take away stands on it: {cut}")
     expect("cut off" not in said[0] and "cut off by the grid" in said[1], f"a surface that the grid cuts off is told: {said}")
     await page.ask(f"({RECORD}, viewer.look.slices.forEach(s => {{ s.shown = true; }}), viewer.look.iso.shown = viewer.look.points.shown = viewer.look.clip.shown = true,"
                    " viewer.look.mesh.cut = false, viewer.rebuild(), viewer.settled())")

@@ -215,6 +215,8 @@ export class Viewer {
     const slice = this.look.slices[field.plane];
     slice.at = field.plane_at;
     slice.shown = slice.touched = true;
+    // To cut a factory at a plane that lies would leave its floor.
+    this.look.mesh.cut = field.plane !== this.camera.up;
   }
 
   /// Makes an axis the one that points up: 0 x, 1 y, 2 z.
