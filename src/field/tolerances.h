@@ -35,18 +35,18 @@ inline constexpr float kSlackRatio = 1e-3f;
 static_assert(kSlackRatio > gamma_float(10));
 
 /// What a distance in a triangle's frame may be off by on the CPU, as a share of the distance between the brick's
-/// centre and the triangle's farthest corner or, if that is farther, the sample: 12 units of rounding
+/// centre and the triangle's farthest corner or, if that is farther, the sample: 32 units of rounding
 /// (geometry/triangle_frame.h). Decides no bit while it is above that; with less, culling may drop the triangle that is
 /// nearest. Larger: more candidates are kept, of a mesh smaller than a sample nearly all.
-inline constexpr float kFrameError = 12 * 0x1p-23f;
+inline constexpr float kFrameError = 32 * 0x1p-23f;
 
-/// The same of a long triangle, whose frame only decides whether it is measured: by its lines, which are those of
-/// corners in double. Four times as large: corners lose more to rounding, the longer the triangle.
-inline constexpr float kLongFrameError = 4 * kFrameError;
+/// The same of a long triangle, whose frame only decides whether it is measured by its lines, those of corners in
+/// double. Larger, because corners lose more to rounding, the longer the triangle.
+inline constexpr float kLongFrameError = 1.75f * kFrameError;
 
 /// The rest of that error, in grid units, so that the farthest corner alone counts: samples are up to 26 from the
 /// brick's centre, edges and altitudes below 1e-6 count as zero, and the corners of cells are rounded (1e-5).
-inline constexpr float kFrameSlack = 6e-5f;
+inline constexpr float kFrameSlack = 1.2e-4f;
 static_assert(kFrameSlack > 26 * kFrameError + 2e-6f + 1e-5f && kLeastLengthSq <= 1e-12f);
 
 /// The share of a distance by which the error of a long triangle's lines may grow, beside kSlack. Decides no bit while

@@ -19,7 +19,7 @@
 // frame serves them.
 //
 // Error: all is computed in F from corners relative to a nearby reference point; with corners and points within R of it
-// the distance is within 12 R epsilon(F) (tests/geometry/triangle_frame_test.cpp measures it on random and on
+// the distance is within 32 R epsilon(F) (tests/geometry/triangle_frame_test.cpp measures it on random and on
 // needle-like triangles).
 #pragma once
 

@@ -61,7 +61,7 @@ Vec3 random_point(Random& random, const Corners& t) {
 
 TEST(TriangleFrame, ErrorIsWithinTheStatedBound) {
   Random random(71);
-  constexpr double kBound = 12 * 0x1p-23;
+  constexpr double kBound = 32 * 0x1p-23;
   double worst = 0;
   for (int n = 0; n < 200000; ++n) {
     const Corners t = random_triangle(random);

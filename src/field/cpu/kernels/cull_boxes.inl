@@ -19,15 +19,12 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// The margin that raises |q|^2 for distances in float, those compared here and those that the gather computes: so
-// culling changes no bit. With d the distance between a sample and q, a frame's distance is off by kFrameError (d + 54)
-// + kFrameSlack at most (a triangle that is not long is 28 wide, samples are 26 from the brick's centre), which is
-// below 1.5e-6 d + 1.5e-4. Of two triangles, that takes 2d times twice as much, 6e-6 d^2 + 6e-4 d <= 8.3e-6 d^2 + 0.04.
-// And d^2 <= (|q| + |h|)^2 <= 1.1 |q|^2 + 11 |h|^2. The rounding of the sum is below 2e-6 (|q|^2 + |h|^2). With a
-// smaller margin bits may change; a larger one keeps more boxes.
-constexpr float kCullMargin = 1.2e-5f, kCullMarginOfHalf = 1e-4f, kCullMarginSq = 0.04f;
-static_assert(kFrameError < 1.5e-6f && 54 * kFrameError + kFrameSlack < 1.5e-4f);
-static_assert(1.1f * 8.3e-6f + 2e-6f < kCullMargin && 11 * 8.3e-6f + 2e-6f < kCullMarginOfHalf);
+// The margin that raises |q|^2, as a share of |q|^2 + |h|^2 + kLeastCellSq. The rounding of the sum is below 2e-6 of
+// that. The rest, 1e-5 |q| of distance, covers the error of the float distances that the gather computes: so culling
+// changes no bit. With a smaller margin it may; a larger one keeps more boxes.
+constexpr float kCullMargin = 2e-5f;
+// Squared grid units: keeps the margin above zero for a cell of one sample, whose half extents are 0, with q near it.
+constexpr float kLeastCellSq = 4;
 
 // The least values of p^2 - 2hp and of p^2 + 2hp over low <= p <= high.
 struct LeastOnAxis {
@@ -95,7 +92,7 @@ STANDOFF_INLINE Culling culling(const CullCell& cell, const References& referenc
       c.references[n].shift[axis] = 2 * cell.half[axis] * q;
       q_sq += q * q;
     }
-    c.references[n].limit = q_sq + kCullMargin * q_sq + kCullMarginOfHalf * half_sq + kCullMarginSq;
+    c.references[n].limit = q_sq + kCullMargin * (q_sq + half_sq + kLeastCellSq);
   }
   return c;
 }
