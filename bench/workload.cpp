@@ -12,6 +12,19 @@
 namespace standoff::bench {
 namespace {
 
+/// Adds a triangle a tenth as long as the mesh, `sides` of the mesh's longest side away along each axis.
+void add_stray(Mesh& mesh, double sides) {
+  const Box box = bounds(mesh);
+  const double side = box.longest_side(), away = side * sides;
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3 corner = box.center() + Vec3{away, away, away};
+    corner[axis] += side / 10;
+    mesh.vertices.push_back(corner);
+  }
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
 /// Scales the mesh and centres it in the box from the origin to `extent`.
 void place(Mesh& mesh, Vec3 extent, Vec3 scale) {
   const Box box = bounds(mesh);
@@ -64,6 +77,8 @@ WorkloadOptions::WorkloadOptions(CLI::App& app) {
   auto* mesh = app.add_option("--mesh", mesh_, "mesh file");
   auto* scene = app.add_option("--scene", scene_, "mesh made by code")->excludes(mesh);
   app.add_option("--triangles", triangles_, "triangles of the scene (its own count when absent)")->needs(scene);
+  app.add_option("--stray", stray_,
+                 "add a triangle, so many times the mesh's longest side away from its middle along each axis");
   auto* samples = app.add_option("--samples", samples_, "cubic cells, this many samples on the longest side");
   auto* cube = app.add_option("--cube", cube_, "cubic cells, this many samples on every side")->excludes(samples);
   auto* size = app.add_option("--size", size_,
@@ -95,6 +110,7 @@ Workload WorkloadOptions::make() const {
   Workload work;
   work.source = scene_.empty() ? mesh_ : scene_;
   work.mesh = scene_.empty() ? read_mesh(mesh_).mesh : scenes::make(scene_, triangles_);
+  if (stray_) add_stray(work.mesh, *stray_);
   work.threads = threads_;
   work.repeats = repeats_;
   work.enough = enough_;

@@ -45,7 +45,7 @@ class WorkloadOptions {
   std::vector<double> extent_;
   std::vector<std::int64_t> size_;
   double thickness_ = 2, enough_ = 0;
-  std::optional<double> margin_, scale_;
+  std::optional<double> margin_, scale_, stray_;
   int threads_ = 2, repeats_ = 5;
   bool full_ = false, check_ = false;
 };

@@ -82,9 +82,14 @@ void halve(std::span<TriangleCenter> part, std::size_t node, ProgressMeter& prog
   }
 }
 
-}  // namespace
+// More triangles than this in one cell of a curve get a curve of their own, or nodes would hold triangles from all over
+// the cell. The value is a choice: a uniform mesh has so many in a cell only if it has 10^9 triangles.
+constexpr std::size_t kCrowdedCell = 1024;
+// Curves in cells of curves. Each divides by 2^10, and no more than 2^60 spacings lie between triangles of a field.
+constexpr int kMostCurves = 6;
 
-std::vector<std::uint32_t> morton_order(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress) {
+std::vector<std::uint32_t> curve_order(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress,
+                                       int curves) {
   std::vector<KeyedIndex> keyed(among.empty() ? mesh.triangles.size() : among.size());
   for_each_center(mesh, among, progress, [&](std::size_t n, std::uint32_t triangle, const Vec3& at) {
     const auto cell = [](double v) { return static_cast<std::uint32_t>(v * 1023); };
@@ -95,7 +100,28 @@ std::vector<std::uint32_t> morton_order(MeshView mesh, std::span<const std::uint
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 65536), [&](const auto& range) {
     for (std::size_t n = range.begin(); n < range.end(); ++n) order[n] = keyed[n].index;
   });
+  std::vector<std::span<std::uint32_t>> crowded;
+  for (std::size_t first = 0; curves > 1 && first + kCrowdedCell < keyed.size();) {
+    // The last of so many triangles is in another cell, unless the cell is crowded: then the rest is at hand.
+    std::size_t end = first + kCrowdedCell;
+    if (keyed[end].key != keyed[first].key) {
+      while (keyed[end - 1].key == keyed[end].key) --end;
+    } else {
+      while (end < keyed.size() && keyed[end].key == keyed[first].key) ++end;
+      if (end - first < keyed.size()) crowded.push_back(std::span(order).subspan(first, end - first));
+    }
+    first = end;
+  }
+  keyed = {};
+  for (const std::span<std::uint32_t> cell : crowded)
+    std::ranges::copy(curve_order(mesh, cell, progress, curves - 1), cell.begin());
   return order;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> morton_order(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress) {
+  return curve_order(mesh, among, progress, kMostCurves);
 }
 
 std::vector<std::uint32_t> halving_order(std::span<TriangleCenter> centers, ProgressMeter& progress) {

@@ -34,16 +34,29 @@ static_assert(kSlack > 300 * gamma_float(10));
 inline constexpr float kSlackRatio = 1e-3f;
 static_assert(kSlackRatio > gamma_float(10));
 
-/// What a distance in a triangle's frame may be off by on the CPU, as a share of the triangle's largest coordinate
-/// relative to its brick: 32 units of rounding of a length up to sqrt(3) times as large (geometry/triangle_frame.h),
-/// 6.6e-6. Decides no bit while it is above that; with less, culling may drop the triangle that is nearest. Larger:
-/// more candidates are kept.
-inline constexpr float kFrameError = 32 * 1.7320508f * 0x1p-23f;
+/// What a distance in a triangle's frame may be off by on the CPU, as a share of the distance between the brick's
+/// centre and the triangle's farthest corner or, if that is farther, the sample: 32 units of rounding
+/// (geometry/triangle_frame.h). Decides no bit while it is above that; with less, culling may drop the triangle that is
+/// nearest. Larger: more candidates are kept, of a mesh smaller than a sample nearly all.
+inline constexpr float kFrameError = 32 * 0x1p-23f;
 
-/// The share a by which the CPU lowers squared distances to allow for a slack s in the distance d, without a root:
-/// (d-s)^2 >= d^2 - 2ds >= d^2 (1-a) - s^2/a. Any a in (0, 1) is safe; it decides how many candidates are kept for
-/// nothing, those beyond the limit by a d^2 + s^2/a. With s = kSlack the second term is 0.01 squared grid units.
+/// The same of a long triangle, whose frame only decides whether it is measured by its lines, those of corners in
+/// double. Larger, because corners lose more to rounding, the longer the triangle.
+inline constexpr float kLongFrameError = 1.75f * kFrameError;
+
+/// The rest of that error, in grid units, so that the farthest corner alone counts: samples are up to 26 from the
+/// brick's centre, edges and altitudes below 1e-6 count as zero, and the corners of cells are rounded (1e-5).
+inline constexpr float kFrameSlack = 1.2e-4f;
+static_assert(kFrameSlack > 26 * kFrameError + 2e-6f + 1e-5f && kLeastLengthSq <= 1e-12f);
+
+/// The share of a distance by which the error of a long triangle's lines may grow, beside kSlack. Decides no bit while
+/// it is above 2 kFrameError. Larger: more candidates are kept where some are long.
 inline constexpr float kSlackShare = 1e-4f;
+static_assert(kSlackShare > 2 * kFrameError);
+
+/// The same of distances between samples and points or boxes, whose squares take six operations.
+inline constexpr float kSquareRounding = 1e-6f;
+static_assert(kSquareRounding > gamma_float(6));
 
 /// The GPU culls in coordinates relative to coarse cells, which may be large: this share of the farthest coordinate
 /// comes on top of kSlack. 64 roundings.

@@ -65,6 +65,20 @@ TEST(Order, DoesNotDependOnThreads) {
   }
 }
 
+TEST(Order, AStrayTriangleFarAwayChangesNoOrder) {
+  // All others lie in one cell of its curve, or in two.
+  Mesh mesh = testing::random_soup(6, 20000, 1, 0.01);
+  const std::vector<std::uint32_t> alone = order_of(mesh, Order::morton);
+  for (const double away : {1e5, 1e9}) {
+    Mesh both = mesh;
+    testing::add_triangle(both, {away, away, away}, {away, away + 1, away}, {away, away, away + 1});
+    std::vector<std::uint32_t> order = order_of(both, Order::morton);
+    EXPECT_EQ(order.back(), 20000u);
+    order.pop_back();
+    EXPECT_EQ(order, alone) << away;
+  }
+}
+
 TEST(Order, OfOnePlaceIsByIndex) {
   const Mesh mesh = testing::random_soup(3, 100, 0, 0);
   const std::vector<std::uint32_t> order = order_of(mesh, Order::morton);

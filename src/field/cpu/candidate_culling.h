@@ -260,7 +260,7 @@ class CandidateCulling {
   /// False if the list is empty.
   bool next_part(const CellTarget& target, BoxList& list, CandidateLists& lists) const;
 
-  /// Whether a tile has so many small candidates that its cells had better cull them by boxes.
+  /// Whether a tile has so many small candidates, and is so near to them, that its cells had better cull them by boxes.
   bool is_crowded(const BoxList& list, const CellTarget& tile) const;
   /// Requires a list with an entry.
   SurfacePoints points_of(const CullCell& samples, const BoxArrays& list) const;

@@ -132,7 +132,7 @@ struct CandidateTable {
     float at[3];
     float point[3];
     float distance_sq;  ///< infinite if no point is known
-    float slack;        ///< the largest distance of the point from the surface
+    float added_sq;     ///< what its squared distance from a sample is raised by, to bound what the sample gets
   };
   Corner corners[kCorners];
 

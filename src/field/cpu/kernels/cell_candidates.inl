@@ -16,9 +16,12 @@
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
-// The constant that raises a squared distance d^2 (1+a) to an upper bound for an error s of the distance:
-// (d+s)^2 <= d^2 (1+a) + s^2 (1+1/a).
-STANDOFF_INLINE float beyond_slack(float slack) { return slack * slack * (1 + 1 / kSlackShare); }
+// Squares of distances are compared, so margins of distances become margins of squares. With M the error of what is
+// compared and d the distance between a sample and the reference, (d+M)^2 = d^2 + M (2d+M).
+
+// No two samples of a tile are farther apart, grid units.
+constexpr float kTileDiagonal = 25;
+static_assert(kTileDiagonal * kTileDiagonal > 3 * 4 * (DistanceField::kTileSide - 1) * (DistanceField::kTileSide - 1));
 
 // A coordinate far from all samples, in grid units, whose square is finite.
 constexpr float kFarAway = 0x1p60f;
@@ -39,18 +42,20 @@ STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick,
     load_group(lattice, brick, c, first, loaded);
     set_up(loaded, g);
     const Mask is_long = mask_from_bits(g.is_long);
-    WideFloat farthest(0);
+    WideFloat farthest_sq(0);
     for (int axis = 0; axis < 3; ++axis) {
       const WideFloat a = component(loaded.corner[0], axis), b = component(loaded.corner[1], axis),
                       d = component(loaded.corner[2], axis);
       const WideFloat low = min(a, min(b, d)), high = max(a, max(b, d));
-      farthest = max(farthest, max(abs(low), abs(high)));
+      const WideFloat far = max(abs(low), abs(high));
+      farthest_sq = fma(far, far, farthest_sq);
       low.store(g.extent.low[axis]);
       high.store(g.extent.high[axis]);
       // Rounding may move the centroid of a long triangle far off it: put its point where it bounds nothing.
       select(is_long, WideFloat(kFarAway), (a + b + d) * WideFloat(1 / 3.0f)).store(g.extent.point[axis]);
     }
-    const WideFloat slack = fma(farthest, WideFloat(kFrameError), WideFloat(kSlack));
+    const WideFloat error = select(is_long, WideFloat(kLongFrameError), WideFloat(kFrameError));
+    const WideFloat slack = fma(sqrt(farthest_sq), error, WideFloat(kFrameSlack));
     slack.store(g.slack);
     const std::int64_t left = c.count - first;
     g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
@@ -78,7 +83,7 @@ STANDOFF_INLINE void place_corners(const BlockLattice& lattice, const int (&firs
     const int number[3] = {n % kSide, n / kSide % kSide, n / (kSide * kSide)};
     for (int axis = 0; axis < 3; ++axis)
       corner.at[axis] = corner_coordinate(lattice, axis, first_sample[axis], number[axis]);
-    corner.point[0] = corner.point[1] = corner.point[2] = corner.slack = 0;
+    corner.point[0] = corner.point[1] = corner.point[2] = corner.added_sq = 0;
     corner.distance_sq = __builtin_inff();
   }
 }
@@ -103,10 +108,16 @@ STANDOFF_INLINE void take_nearest(const CandidateTable& table, const NearestOfLa
   corner.point[1] = q.y;
   corner.point[2] = q.z;
   corner.distance_sq = best;
-  corner.slack = g.slack[lane];
+  // The point is within the slack of the surface, and the distance that a sample gets of its triangle is as much off.
+  const float error = 2 * g.slack[lane];
+  corner.added_sq = error * (2 * (standoff::sqrt(best) + kTileDiagonal) + error);
 }
 
 // Measures all candidates of the table from all corners, and finds the point of the surface nearest to each.
+//
+// A candidate's distances are lowered by s, what they and those that samples get of it may be off by: twice its slack.
+// (d-s)^2 >= d^2 (1-a) - s^2/a for any a in (0, 1), and a = s/r makes the second term s r. For r twice as long as any
+// distance from the tile that may matter, this is also what the samples' error takes.
 STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
   constexpr int kSide = CandidateTable::kCornersPerAxis;
   NearestOfLanes found[CandidateTable::kCorners];
@@ -118,7 +129,12 @@ STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
     CandidateTable::Group& g = table.groups[n];
     const WideUint number(static_cast<std::uint32_t>(n));
     const TriangleFrame<WideFloat> f = load_frames(g.frame);
-    const WideFloat slack = WideFloat::load(g.slack), less_slack = slack * slack * WideFloat(-1 / kSlackShare);
+    const WideFloat error = WideFloat(2) * WideFloat::load(g.slack);
+    const float(&middle)[3] = table.corners[CandidateTable::kCorners / 2].at;
+    const WideFloat from_middle =
+        sqrt(distance_sq(f, {WideFloat(middle[0]), WideFloat(middle[1]), WideFloat(middle[2])}));
+    const WideFloat range = fma(WideFloat(2), from_middle + error, WideFloat(2 * kTileDiagonal));
+    const WideFloat kept = WideFloat(1) - error / range, less_error = -(error * range);
     for (int k = 0, corner = 0; k < kSide; ++k) {
       const WideFloat z = coordinate(corner, 2);
       const WideFloat qz = fma(z, f.q.g.z, f.q.c), yz = fma(z, f.y.g.z, f.y.c), zz = fma(z, f.z.g.z, f.z.c);
@@ -128,7 +144,7 @@ STANDOFF_INLINE void look_from_corners(CandidateTable& table) {
         for (int i = 0; i < kSide; ++i, ++corner) {
           const WideFloat x = coordinate(corner, 0);
           const WideFloat d = frame_distance_sq(f, fma(x, f.q.g.x, qy), fma(x, f.y.g.x, yy), fma(x, f.z.g.x, zy));
-          fma(d, WideFloat(1 - kSlackShare), less_slack).store(g.corner_distance_sq[corner]);
+          fma(d, kept, less_error).store(g.corner_distance_sq[corner]);
           NearestOfLanes& best = found[corner];
           const WideFloat before = WideFloat::load(best.distance_sq);
           select(less(d, before), number, WideUint::load(best.group)).store(best.group);
@@ -165,12 +181,11 @@ STANDOFF_INLINE CellCorners cell_corners(const BlockLattice& lattice, const Cand
   result.reach_sq = reach * reach;
   for (int q = 0; q < 8; ++q) {
     const CandidateTable::Corner& reference = table.corners[number[q]];
-    const float added_sq = beyond_slack(reference.slack);  // the reference is within its slack of the surface
     result.reference[q] = &reference;
     for (int n = 0; n < 8; ++n) {
       const float* at = table.corners[number[n]].at;
       const float x = at[0] - reference.point[0], y = at[1] - reference.point[1], z = at[2] - reference.point[2];
-      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSlackShare) + added_sq;
+      result.limit[q][n] = (x * x + y * y + z * z) * (1 + kSquareRounding) + reference.added_sq;
     }
   }
   return result;
@@ -262,18 +277,16 @@ struct BlockLimits {
   alignas(64) float distance_sq[kBlocksOfCell][kLanes];
 };
 
-// `slack` bounds the errors of the points, of the boxes, and of distances from their triangles.
+// `slack` and a `share` of the distance bound the errors of the points, of the boxes, and of distances from their
+// triangles, all together.
 STANDOFF_INLINE BlockLimits block_limits(const BlockLattice& lattice, const int (&at)[3], const PointDistances& points,
-                                         float slack, const BrickState& state) {
-  const float slack_sq = slack * slack, within = lattice.thickness * (1 + kSlackRatio);
-  const WideFloat added(beyond_slack(slack));
-  // A box is culled if gap^2 (1-a) - s^2/a > known, and 1/(1-a) < 1 + 2a.
-  const WideFloat lowered_by(slack_sq / kSlackShare);
+                                         float slack, float share, const BrickState& state) {
+  const float within = lattice.thickness * (1 + kSlackRatio);
   BlockLimits limits;
   for (int n = 0; n < kBlocksOfCell; ++n) {
     const WideFloat before = min(WideFloat(within * within), WideFloat::load(state.distance_sq[block_of_cell(at, n)]));
-    const WideFloat known = min(before, fma(points.least_sq[n], WideFloat(1 + kSlackShare), added));
-    ((known + lowered_by) * WideFloat(1 + 2 * kSlackShare)).store(limits.distance_sq[n]);
+    const WideFloat limit = fma(sqrt(min(before, points.least_sq[n])), WideFloat(1 + share), WideFloat(slack));
+    (limit * limit).store(limits.distance_sq[n]);
   }
   return limits;
 }

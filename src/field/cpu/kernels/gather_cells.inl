@@ -50,17 +50,21 @@ STANDOFF_INLINE void list_for_blocks(const BlockLattice& lattice, CandidateTable
   PointDistances distances;
   for (int n = 0; n < table.list.count; ++n)
     distances.look_at(samples, extent.point[0][n], extent.point[1][n], extent.point[2][n]);
-  // Leave out long triangles: the error of lines does not grow with a triangle's length.
-  WideFloat widest(kSlack);
+  // The error of a long triangle's lines does not grow with its length, but may grow with its distance.
+  WideFloat widest(0);
+  std::uint32_t any_long = 0;
   for (int n = 0; n < table.active_groups; ++n) {
     const CandidateTable::Group& g = table.groups[table.active[n].group];
     widest = max(widest, select(mask_from_bits(g.is_long), WideFloat(0), WideFloat::load(g.slack)));
+    any_long |= g.is_long;
   }
-  const float slack = reduce_max(widest);
   for (const CandidateTable::Corner* reference : cell.reference)
-    distances.look_at(samples, reference->point[0], reference->point[1], reference->point[2],
-                      reference->slack > slack ? beyond_slack(reference->slack) : 0);
-  const BlockLimits limits = block_limits(lattice, at, distances, slack, state);
+    distances.look_at(samples, reference->point[0], reference->point[1], reference->point[2], reference->added_sq);
+  // A point's own rounding is below a quarter of its triangle's slack.
+  const float slack = 2.25f * reduce_max(widest);
+  const BlockLimits limits = any_long != 0
+                                 ? block_limits(lattice, at, distances, slack + 2 * kSlack, kSlackShare, state)
+                                 : block_limits(lattice, at, distances, slack, kSquareRounding, state);
   for (CandidateList& list : table.block_list) list.count = 0;
   choose_for_blocks(
       samples, limits, {extent.low[0], extent.low[1], extent.low[2]}, {extent.high[0], extent.high[1], extent.high[2]},
@@ -92,8 +96,8 @@ STANDOFF_INLINE bool is_sound(const TriangleFrame<float>& f) {
 }
 
 // A limit for squared distances in a sound frame, sample by sample: if a long triangle's frame gives more, its lines
-// give more than `best_sq`. The error of distances in the frame is at most `slack`, and the error of lines is far less
-// than the kSlack in it. So a candidate that is skipped would have changed no bit.
+// give more than `best_sq`. `slack` bounds the error of distances in the frame and that of lines, which is far less
+// than kSlack. So a candidate that is skipped would have changed no bit.
 STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
   const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
   return reach * reach;
@@ -131,8 +135,8 @@ STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& bri
         bool is_far = is_sound(frame_of_lane<float>(g.frame, lane));
         for (int n = 0; n < kCount && is_far; ++n)
           is_far =
-              less(frame_limit_sq(best[n], g.slack[lane]), distance_sq(f, {x, y[n % kSide], z[n / kSide]})).to_bits() ==
-              0xffffu;
+              less(frame_limit_sq(best[n], g.slack[lane] + kSlack), distance_sq(f, {x, y[n % kSide], z[n / kSide]}))
+                  .to_bits() == 0xffffu;
         if (is_far) continue;
       }
       const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
@@ -211,13 +215,13 @@ void gather_tile_any(const BlockLattice& lattice, const Brick& brick, int tile, 
 
 // The error of the candidates' points and distances, beside the share of themselves that block_limits() adds. Points
 // are rounded to kBoxError of the grid, or to a share of their distance if they lie far outside. The error of distances
-// in a frame is kFrameError of the triangle's farthest coordinate from the brick's centre. Up to kNear this is less
-// than kSlack. Beyond, a triangle that is not long is at least half as far from each sample, and the share covers the
-// error. Long triangles are measured by lines, whose error does not grow with their length.
+// in a frame is kFrameError of its farthest corner's distance from the brick's centre. Up to kNear this is less than
+// kSlack. Beyond, a triangle that is not long is at least half as far from each sample, and the share covers the error.
+// Long triangles are measured by lines, whose error does not grow with their length.
 STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
   constexpr float kNear = 64;  // grid units
-  static_assert(kNear * kFrameError < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
-  static_assert(2 * kFrameError < kSlackShare / 2);
+  static_assert(kNear * kFrameError + kFrameSlack < kSlack && kNear >= 2 * (kLongTriangle + kBrickSide));
+  static_assert(2 * 2 * kFrameError < kSlackShare);
   return cell.extent * kBoxError + kSlack;
 }
 
@@ -271,7 +275,7 @@ void gather_crowded(const BlockLattice& lattice, const Brick& brick, const Crowd
       const float* const point = cell.points[cell.boxes.entry[first + n]];
       distances.look_at(samples, point[0], point[1], point[2]);
     }
-    const BlockLimits limits = block_limits(lattice, cell.at, distances, slack_in(cell), state);
+    const BlockLimits limits = block_limits(lattice, cell.at, distances, 2 * slack_in(cell), kSlackShare, state);
     choose_crowded(cell, samples, limits, first, count, table);
     set_up_chosen(lattice, brick, mesh, table);
     for (int n = 0; n < kBlocksOfCell; ++n)
