@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -86,14 +87,13 @@ class DistanceSearch {
     std::array<NodePair, kLanes> children;
     double proof_tried_at = best_;
     queue_->clear();
-    push(nodes_.root());
-    while (!queue_->empty() && !is_settled_) {
-      const float least_sq = queue_->front().distance_sq;
-      if (least_sq > reach_sq_) return measure();
-      if (steps_.are_spent()) return give_up(least_sq);
+    for (std::optional<NodePair> least = nodes_.root(); least && !is_settled_;) {
+      if (least->distance_sq > reach_sq_) return measure();
+      if (steps_.are_spent()) return give_up(least->distance_sq);
       steps_.take();
-      const NodePair next = pop();
+      const NodePair next = *least;
       if (next.is_leaf()) {
+        least = pop();
         look_at(next);
         if (best_ < proof_tried_at && !has_start_) {
           proof_tried_at = best_;
@@ -101,8 +101,17 @@ class DistanceSearch {
         }
         continue;
       }
-      const int count = nodes_.open(next, reach_sq_, children);
-      for (int n = 0; n < count; ++n) push(children[static_cast<std::size_t>(n)]);
+      const auto end = children.begin() + nodes_.open(next, reach_sq_, children);
+      const auto nearest = std::ranges::min_element(children.begin(), end, {}, &NodePair::distance_sq);
+      for (auto child = children.begin(); child != end; ++child)
+        if (child != nearest) push(*child);
+      // It is often the least of all: then it need not wait.
+      if (nearest != end && (queue_->empty() || nearest->distance_sq <= queue_->front().distance_sq)) {
+        least = *nearest;
+      } else {
+        if (nearest != end) push(*nearest);
+        least = pop();
+      }
     }
     measure();
   }
@@ -146,13 +155,13 @@ class DistanceSearch {
     measure();
   }
 
-  static bool is_farther(const NodePair& a, const NodePair& b) { return a.distance_sq > b.distance_sq; }
   void push(const NodePair& pair) {
     queue_->push_back(pair);
-    std::ranges::push_heap(*queue_, is_farther);
+    std::ranges::push_heap(*queue_, std::ranges::greater{}, &NodePair::distance_sq);
   }
-  NodePair pop() {
-    std::ranges::pop_heap(*queue_, is_farther);
+  std::optional<NodePair> pop() {
+    if (queue_->empty()) return {};
+    std::ranges::pop_heap(*queue_, std::ranges::greater{}, &NodePair::distance_sq);
     const NodePair next = queue_->back();
     queue_->pop_back();
     return next;
@@ -194,6 +203,10 @@ class DistanceSearch {
   // behind.
   LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
     steps_.take(past - next);
+    for (const LeafPair* ahead = next; ahead != past; ++ahead) {
+      fetch(pair_.target.body->corners[leaves.target * kLanes + ahead->first]);
+      fetch(pair_.probe.body->corners[leaves.probe * kLanes + ahead->second]);
+    }
     for (; next != past; ++next) {
       batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
       if (batch_.full()) measure();
