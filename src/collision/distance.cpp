@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -85,23 +86,23 @@ class DistanceSearch {
 
   void search() {
     std::array<NodePair, kLanes> children;
-    double proof_tried_at = best_;
+    boxes_tried_at_ = best_;
     queue_->clear();
     for (std::optional<NodePair> least = nodes_.root(); least && !is_settled_;) {
       if (least->distance_sq > reach_sq_) return measure();
       if (steps_.are_spent()) return give_up(least->distance_sq);
       steps_.take();
       const NodePair next = *least;
-      if (next.is_leaf()) {
-        least = pop();
+      if (next.is_leaf()) {  // of two bodies that are leaves
         look_at(next);
-        if (best_ < proof_tried_at && !has_start_) {
-          proof_tried_at = best_;
-          prove_by_boxes();
-        }
-        continue;
+        break;
       }
       const auto end = children.begin() + nodes_.open(next, reach_sq_, children);
+      if (next.target_level + next.probe_level == 1) {
+        if (!look_at_leaves({children.begin(), end})) return give_up(next.distance_sq);
+        least = pop();
+        continue;
+      }
       const auto nearest = std::ranges::min_element(children.begin(), end, {}, &NodePair::distance_sq);
       for (auto child = children.begin(); child != end; ++child)
         if (child != nearest) push(*child);
@@ -165,6 +166,23 @@ class DistanceSearch {
     const NodePair next = queue_->back();
     queue_->pop_back();
     return next;
+  }
+
+  // Looks at pairs of leaves, the nearest first; false if the steps are spent before. None of them waits its turn: the
+  // best distance is nearly known by now, and to look at a few more leaves costs less than to have all wait.
+  bool look_at_leaves(std::span<NodePair> leaves) {
+    std::ranges::sort(leaves, {}, &NodePair::distance_sq);
+    for (const NodePair& pair : leaves) {
+      if (is_settled_ || pair.distance_sq > reach_sq_) break;
+      if (steps_.are_spent()) return false;
+      steps_.take();
+      look_at(pair);
+      if (best_ < boxes_tried_at_ && !has_start_) {
+        boxes_tried_at_ = best_;
+        prove_by_boxes();
+      }
+    }
+    return true;
   }
 
   // Measures the triangles of two leaves that are near along the best pair's axes and along the target leaf's axes.
@@ -341,7 +359,7 @@ class DistanceSearch {
   std::array<Vec3, 3> best_axes_;  // in the target's frame
   std::int64_t near_ties_ = 0;     // pairs within near_sq_, since a proof was tried
   double ties_of_ = std::numeric_limits<double>::infinity(), near_sq_ = 0;
-  double proof_tried_at_ = -1;
+  double proof_tried_at_ = -1, boxes_tried_at_ = 0;
   PairBatch batch_;
   const KeptByThread<std::vector<NodePair>> queue_;
 };
