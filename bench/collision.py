@@ -104,17 +104,38 @@ def worst_first(row):
     return row["query"], math.inf if ratio_of is None else ratio_of
 
 
-def run(drivers, workloads, with_peers, only, rounds, build, note=""):
+def measured_before(header):
+    """The rows of a run of the same commit that was stopped."""
+    path = results_folder() / "collision.csv"
+    comments, rows = quotes.read(path) if path.exists() else ([], [])
+    return rows if comments[:1] == header[:1] else []
+
+
+def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
+    """Adds the rows of the pairs that have none yet. The file is written after each pair: some take minutes, and a run
+    that is stopped can go on."""
+    measured = {row["pair"] for row in rows}
+    for pair in chosen:
+        if peers and pair["name"] not in measured:
+            rows = sorted(rows + pair_rows(drivers, peers, job, pair, rounds), key=worst_first)
+            if not only:
+                write_csv(results_folder() / "collision.csv", header, rows)
+    return rows
+
+
+def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough_s=None):
     """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
     the process with the median ratio of three."""
     chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
     header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
     job = workloads["collision"]
-    rows = [row for pair in chosen(job["pairs"]) if peers for row in pair_rows(drivers, peers, job, pair, rounds)]
+    if enough_s is not None:
+        job = job | {"args": ["--enough", str(enough_s), *job["args"][job["args"].index("--limit"):]]}
+    before = measured_before(header) if missing and not only else []
+    rows = all_rows(drivers, peers, job, chosen(job["pairs"]), rounds, header, before, only)
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
                for batch in chosen(workloads["batches"])]
-    rows.sort(key=worst_first)
     write({"collision": rows, "collision-threads": batches}, only, header)
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:

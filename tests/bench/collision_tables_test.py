@@ -94,6 +94,23 @@ class Tables(unittest.TestCase):
             self.assertEqual(len(rows), count)
             self.assertIn("note: a noisy day", comments)
 
+    # A run of all pairs takes an hour: what one that was stopped has measured counts, unless the code is another one now.
+    def test_goes_on_where_it_stopped(self):
+        pairs = [{"name": name, "args": [], "ask": {"collide": ["gap=1"]}} for name in ("first", "second")]
+        workloads = {"collision": WORKLOADS["collision"] | {"pairs": pairs}, "batches": []}
+        drivers = Pretended(["fcl"], [3])
+        with self.assertRaises(IndexError):  # it is stopped at the second pair
+            printed(collision.run, drivers, workloads, True, None, None, "nowhere")
+        self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["first"])
+        drivers = Pretended(["fcl"], [2])
+        printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True, 2)
+        self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["second", "first"])
+        self.assertEqual(drivers.asked[0][1][:4], ["--enough", "2", "--limit", "60"])
+        with unittest.mock.patch.object(harness, "commit", lambda: "another"):
+            drivers = Pretended(["fcl"], [2, 2])
+            printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True)
+        self.assertEqual(len(drivers.asked), 2)
+
     def test_placings(self):
         for where, text in [("gap=0.1,poses=9", "0.1 apart"), ("depth=2,way=3", "2 deep, way 3"), ("hits=0", "in its box, free"),
                             ("hits=0.45,poses=10", "in its box, 45 % touching"), ("hits=1", "in its box, touching"),
