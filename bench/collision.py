@@ -111,6 +111,15 @@ def measured_before(header):
     return rows if comments[:1] == header[:1] else []
 
 
+def cut_short(args, options):
+    """The arguments with other values of some options."""
+    args = list(args)
+    for name, seconds in options.items():
+        if seconds is not None:
+            args[args.index(name) + 1] = str(seconds)
+    return args
+
+
 def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
     """Adds the rows of the pairs that have none yet. The file is written after each pair: some take minutes, and a run
     that is stopped can go on."""
@@ -123,15 +132,14 @@ def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
     return rows
 
 
-def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough_s=None):
+def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough_s=None, limit_s=None):
     """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
     the process with the median ratio of three."""
     chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
     header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
     job = workloads["collision"]
-    if enough_s is not None:
-        job = job | {"args": ["--enough", str(enough_s), *job["args"][job["args"].index("--limit"):]]}
+    job = job | {"args": cut_short(job["args"], {"--enough": enough_s, "--limit": limit_s})}
     before = measured_before(header) if missing and not only else []
     rows = all_rows(drivers, peers, job, chosen(job["pairs"]), rounds, header, before, only)
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))

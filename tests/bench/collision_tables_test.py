@@ -103,9 +103,9 @@ class Tables(unittest.TestCase):
             printed(collision.run, drivers, workloads, True, None, None, "nowhere")
         self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["first"])
         drivers = Pretended(["fcl"], [2])
-        printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True, 2)
+        printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True, 2, 20)
         self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["second", "first"])
-        self.assertEqual(drivers.asked[0][1][:4], ["--enough", "2", "--limit", "60"])
+        self.assertEqual(drivers.asked[0][1][:4], ["--enough", "2", "--limit", "20"])
         with unittest.mock.patch.object(harness, "commit", lambda: "another"):
             drivers = Pretended(["fcl"], [2, 2])
             printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True)
