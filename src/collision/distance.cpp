@@ -294,22 +294,29 @@ class DistanceSearch {
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
     const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
-    steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
-    const Vec3 direction = axes_about(on_probe - on_target)[0];
-    is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+    for (const Vec3& direction : directions_of_best()) {
+      if (is_settled_) return;
+      steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
+      is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+    }
   }
 
-  // The same by the boxes of both bodies alone, which costs nothing. It also tries the normals of the two triangles: if
-  // the closest points are very near, rounding decides the direction of their difference.
+  // The same by the boxes of both bodies alone, which costs nothing.
   void prove_by_boxes() {
-    const Vec3 between = on_probe - on_target;
-    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
-    for (const Vec3& along :
-         {between, normal_of(pair_.target.world(of_target)), normal_of(pair_.probe.world(of_probe))}) {
-      const Vec3 direction = axes_about(dot(along, between) < 0 ? -along : along)[0];
+    for (const Vec3& direction : directions_of_best())
       is_settled_ =
           is_settled_ || is_proof(reach_of_box(pair_.probe, -direction), reach_of_box(pair_.target, direction));
-    }
+  }
+
+  // Unit vectors from the target to the probe: between the closest points, and along the normals of the two triangles.
+  // If the points are near each other, rounding turns the direction between them.
+  std::array<Vec3, 3> directions_of_best() const {
+    const Vec3 between = on_probe - on_target;
+    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
+    std::array<Vec3, 3> directions{between, normal_of(pair_.target.world(of_target)),
+                                   normal_of(pair_.probe.world(of_probe))};
+    for (Vec3& along : directions) along = axes_about(dot(along, between) < 0 ? -along : along)[0];
+    return directions;
   }
 
   // Whether prove_by_boxes() could succeed along any direction n, with any pair. Then n is nearly that of the best
