@@ -20,7 +20,8 @@ def ratio(line):
     if line["standoff_late"] and line["peer_late"]:
         return "-"
     sign = "< " if line["standoff_late"] else "> " if line["peer_late"] else ""
-    return f"{sign}{line['ratio']:.{1 if line['ratio'] >= 1 else 2}f}x"
+    number = line["ratio"]
+    return f"{sign}{number:.{1 if number >= 1 else 2}f}x" if number >= 0.095 else f"{sign}{number:.2g}x"
 
 
 def split(where):

@@ -67,7 +67,7 @@ def value(ratio):
 
 def short(number, sign=""):
     """Two digits are enough to quote."""
-    return sign + f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x"
+    return sign + (f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x" if number >= 0.0995 else f"{number:.2g}x")
 
 
 def summary(rows, with_cases):

@@ -65,6 +65,7 @@ class Tables(unittest.TestCase):
         self.assertEqual((collision.ratio(late), collision.milliseconds(late, "peer")), ("> 5000.0x", "> 120000"))
         self.assertEqual(collision.ratio(line("distance", 0.01, standoff_s=120, standoff_late=True)), "< 0.01x")
         self.assertEqual(collision.ratio(late | {"standoff_late": True}), "-")
+        self.assertEqual((collision.ratio(line("contacts", 0.00342)), quotes.short(0.0034)), ("0.0034x", "0.0034x"))
 
     def test_milliseconds(self):
         for seconds, text in [(120, "120000"), (0.0123, "12.3"), (2e-6, "0.00200")]:
