@@ -20,7 +20,8 @@ def ratio(line):
     if line["standoff_late"] and line["peer_late"]:
         return "-"
     sign = "< " if line["standoff_late"] else "> " if line["peer_late"] else ""
-    return f"{sign}{line['ratio']:.{1 if line['ratio'] >= 1 else 2}f}x"
+    number = line["ratio"]
+    return f"{sign}{number:.{1 if number >= 1 else 2}f}x" if number >= 0.095 else f"{sign}{number:.2g}x"
 
 
 def split(where):
@@ -104,17 +105,46 @@ def worst_first(row):
     return row["query"], math.inf if ratio_of is None else ratio_of
 
 
-def run(drivers, workloads, with_peers, only, rounds, build, note=""):
+def measured_before(header):
+    """The rows of a run of the same commit that was stopped."""
+    path = results_folder() / "collision.csv"
+    comments, rows = quotes.read(path) if path.exists() else ([], [])
+    return rows if comments[:1] == header[:1] else []
+
+
+def cut_short(args, options):
+    """The arguments with other values of some options."""
+    args = list(args)
+    for name, seconds in options.items():
+        if seconds is not None:
+            args[args.index(name) + 1] = str(seconds)
+    return args
+
+
+def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
+    """Adds the rows of the pairs that have none yet. The file is written after each pair: some take minutes, and a run
+    that is stopped can go on."""
+    measured = {row["pair"] for row in rows}
+    for pair in chosen:
+        if peers and pair["name"] not in measured:
+            rows = sorted(rows + pair_rows(drivers, peers, job, pair, rounds), key=worst_first)
+            if not only:
+                write_csv(results_folder() / "collision.csv", header, rows)
+    return rows
+
+
+def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough_s=None, limit_s=None):
     """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
     the process with the median ratio of three."""
     chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
     header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
     job = workloads["collision"]
-    rows = [row for pair in chosen(job["pairs"]) if peers for row in pair_rows(drivers, peers, job, pair, rounds)]
+    job = job | {"args": cut_short(job["args"], {"--enough": enough_s, "--limit": limit_s})}
+    before = measured_before(header) if missing and not only else []
+    rows = all_rows(drivers, peers, job, chosen(job["pairs"]), rounds, header, before, only)
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
                for batch in chosen(workloads["batches"])]
-    rows.sort(key=worst_first)
     write({"collision": rows, "collision-threads": batches}, only, header)
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:

@@ -5,6 +5,7 @@ tests/bench/collision_tables_test.py compares them."""
 
 import csv
 import json
+import math
 import re
 import statistics
 from pathlib import Path
@@ -25,8 +26,10 @@ PAGE = """# Collision queries, pair by pair
 
 This page is written by `script/bench pairs --peers`, from [its CSV file](../bench/results/{quoted}/collision.csv).
 standoff and a peer run in one process and take turns at every query. A time is the median of up to five rounds over all
-poses, in processor time of one thread. A ratio is the peer's time divided by standoff's; below 1, standoff is slower.
-[bench/README.md](../bench/README.md) says more.
+poses, in processor time of one thread, divided by the poses. A ratio is the peer's time divided by standoff's; below 1,
+standoff is slower. *Of medians* is the same ratio of the median pose alone, so that a few slow poses do not count.
+*Slowest / median* is of standoff's own poses, in time by the clock: other programs lengthen the slowest ones.
+A > or < says that the peer or standoff was stopped. [bench/README.md](../bench/README.md) says more.
 
 {machine}
 
@@ -35,6 +38,8 @@ poses, in processor time of one thread. A ratio is the peer's time divided by st
 {summary}
 
 ## The pairs
+
+The pair that falls shortest of what is asked for stands first.
 
 {pairs}
 
@@ -62,7 +67,7 @@ def value(ratio):
 
 def short(number, sign=""):
     """Two digits are enough to quote."""
-    return sign + f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x"
+    return sign + (f"{number:.{0 if number >= 9.95 else 1 if number >= 0.995 else 2}f}x" if number >= 0.0995 else f"{number:.2g}x")
 
 
 def summary(rows, with_cases):
@@ -75,13 +80,26 @@ def summary(rows, with_cases):
         case = lambda row: f" ({row['pair']}, {row['place of b']})" if with_cases else ""
         quote = lambda row: short(value(row["ratio"]), row["ratio"][:2] if row["ratio"][0] in "<>" else "") + case(row)
         line = {"query": query, "beside": peer, "cases": len(own), "worst": quote(known[0]) if known else "-",
-                "median": short(statistics.median(ratios)) if known else "-", "best": quote(known[-1]) if known else "-",
+                "worst of medians": worst_of_medians(own, case), "median": short(statistics.median(ratios)) if known else "-",
+                "best": quote(known[-1]) if known else "-",
                 "slower in": sum(ratio < 1 for ratio in ratios)}
         if with_cases:
             line |= {"asked for": own[0]["at least"], "answers": sum(int(row["poses"]) for row in own),
                      "that differ": sum(int(row["answers that differ"]) for row in own)}
         table.append(line)
     return table
+
+
+def worst_of_medians(rows, case):
+    """The least ratio of median poses; "-" if no row has one."""
+    known = [row for row in rows if value(row.get("of medians", "")) is not None]
+    worst = min(known, key=lambda row: value(row["of medians"]), default=None)
+    return short(value(worst["of medians"])) + case(worst) if worst else "-"
+
+
+def shortfall(rows):
+    """What the worst of a pair's rows has of the ratio that is asked for."""
+    return min((value(row["ratio"]) / value(row["at least"]) for row in rows if value(row["ratio"]) is not None), default=math.inf)
 
 
 def between_markers(text, name, content):
@@ -101,13 +119,14 @@ def pages(results=BENCH / "results" / QUOTED):
     """{file: what it should hold}"""
     comments, rows = read(results / "collision.csv")
     jobs = json.loads((BENCH / "workloads.json").read_text())["collision"]["pairs"]
+    jobs.sort(key=lambda job: shortfall([row for row in rows if row["pair"] == job["name"]]))
     pairs = []
     for job in jobs:
         of_peer = {row["peer"]: row for row in reversed(rows) if row["pair"] == job["name"]}
         if of_peer:
-            pairs.append({"pair": job["name"], "a and b": job["what"], "standoff builds both, s": [*of_peer.values()][-1]["standoff build s"],
+            pairs.append({"pair": job["name"], "a and b": job["what"], "standoff builds both, s": of_peer.get("FCL", [*of_peer.values()][-1])["standoff build s"],
                           **{f"{peer} builds both, s": row["peer build s"] for peer, row in of_peer.items()}})
-    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "standoff ms", "peer ms", "ratio", "answers that differ")
+    shown = ("query", "place of b", "peer", "poses", "hits", "rounds", "standoff ms", "peer ms", "ratio", "of medians", "slowest / median", "answers that differ")
     tables = [f"## {pair['pair']}\n\n" + markdown([{key: row[key] for key in shown} for row in rows if row["pair"] == pair["pair"]])
               for pair in pairs]
     page = PAGE.format(quoted=QUOTED, machine="\n".join(f"- {line}" for line in comments), summary=markdown(summary(rows, True)),

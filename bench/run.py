@@ -59,9 +59,10 @@ def main():
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then (but the rows of methods)")
     parser.add_argument("--rounds", type=int, help="processes per driver, instead of what the workload says")
     parser.add_argument("--mesh", help="methods: of this mesh alone, or with its resolution: bunny-64")
-    parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet")
+    parser.add_argument("--missing", action="store_true", help="methods: only rows that are not in the table yet; pairs: only pairs that this commit has none of")
     parser.add_argument("--unstopped", action="store_true", help="methods: not again what was stopped at this limit")
-    parser.add_argument("--limit", type=float, help="methods: processor seconds after which a call is stopped")
+    parser.add_argument("--limit", type=float, help="methods, pairs: processor seconds after which a call or a round is stopped")
+    parser.add_argument("--enough", type=float, help="pairs: processor seconds after which no new round begins, instead of what the workload says")
     parser.add_argument("--count", type=int, help="of points or meshes, instead of what the workload says")
     parser.add_argument("--note", default="", help="what readers must know of this run (not of contests, scaling, thesis, sign)")
     parser.add_argument("--list", action="store_true", help="name the workloads and stop")
@@ -99,7 +100,7 @@ def main():
         if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench pairs --peers")
         return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
-                             arguments.note)
+                             arguments.note, arguments.missing, arguments.enough, arguments.limit)
     if arguments.what in ("points", "iso", "files", "sidecars", "render"):
         if not drivers.has(arguments.what):
             parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what}")

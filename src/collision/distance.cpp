@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -84,25 +86,33 @@ class DistanceSearch {
 
   void search() {
     std::array<NodePair, kLanes> children;
-    double proof_tried_at = best_;
+    boxes_tried_at_ = best_;
     queue_->clear();
-    push(nodes_.root());
-    while (!queue_->empty() && !is_settled_) {
-      const float least_sq = queue_->front().distance_sq;
-      if (least_sq > reach_sq_) return measure();
-      if (steps_.are_spent()) return give_up(least_sq);
+    for (std::optional<NodePair> least = nodes_.root(); least && !is_settled_;) {
+      if (least->distance_sq > reach_sq_) return measure();
+      if (steps_.are_spent()) return give_up(least->distance_sq);
       steps_.take();
-      const NodePair next = pop();
-      if (next.is_leaf()) {
+      const NodePair next = *least;
+      if (next.is_leaf()) {  // of two bodies that are leaves
         look_at(next);
-        if (best_ < proof_tried_at && !has_start_) {
-          proof_tried_at = best_;
-          prove_by_boxes();
-        }
+        break;
+      }
+      const auto end = children.begin() + nodes_.open(next, reach_sq_, children);
+      if (next.target_level + next.probe_level == 1) {
+        if (!look_at_leaves({children.begin(), end})) return give_up(next.distance_sq);
+        least = pop();
         continue;
       }
-      const int count = nodes_.open(next, reach_sq_, children);
-      for (int n = 0; n < count; ++n) push(children[static_cast<std::size_t>(n)]);
+      const auto nearest = std::ranges::min_element(children.begin(), end, {}, &NodePair::distance_sq);
+      for (auto child = children.begin(); child != end; ++child)
+        if (child != nearest) push(*child);
+      // It is often the least of all: then it need not wait.
+      if (nearest != end && (queue_->empty() || nearest->distance_sq <= queue_->front().distance_sq)) {
+        least = *nearest;
+      } else {
+        if (nearest != end) push(*nearest);
+        least = pop();
+      }
     }
     measure();
   }
@@ -146,16 +156,33 @@ class DistanceSearch {
     measure();
   }
 
-  static bool is_farther(const NodePair& a, const NodePair& b) { return a.distance_sq > b.distance_sq; }
   void push(const NodePair& pair) {
     queue_->push_back(pair);
-    std::ranges::push_heap(*queue_, is_farther);
+    std::ranges::push_heap(*queue_, std::ranges::greater{}, &NodePair::distance_sq);
   }
-  NodePair pop() {
-    std::ranges::pop_heap(*queue_, is_farther);
+  std::optional<NodePair> pop() {
+    if (queue_->empty()) return {};
+    std::ranges::pop_heap(*queue_, std::ranges::greater{}, &NodePair::distance_sq);
     const NodePair next = queue_->back();
     queue_->pop_back();
     return next;
+  }
+
+  // Looks at pairs of leaves, the nearest first; false if the steps are spent before. None of them waits its turn: the
+  // best distance is nearly known by now, and to look at a few more leaves costs less than to have all wait.
+  bool look_at_leaves(std::span<NodePair> leaves) {
+    std::ranges::sort(leaves, {}, &NodePair::distance_sq);
+    for (const NodePair& pair : leaves) {
+      if (is_settled_ || pair.distance_sq > reach_sq_) break;
+      if (steps_.are_spent()) return false;
+      steps_.take();
+      look_at(pair);
+      if (best_ < boxes_tried_at_ && !has_start_) {
+        boxes_tried_at_ = best_;
+        prove_by_boxes();
+      }
+    }
+    return true;
   }
 
   // Measures the triangles of two leaves that are near along the best pair's axes and along the target leaf's axes.
@@ -194,6 +221,10 @@ class DistanceSearch {
   // behind.
   LeafPair* measure(const NodePair& leaves, LeafPair* next, LeafPair* past) {
     steps_.take(past - next);
+    for (const LeafPair* ahead = next; ahead != past; ++ahead) {
+      fetch(pair_.target.body->corners[leaves.target * kLanes + ahead->first]);
+      fetch(pair_.probe.body->corners[leaves.probe * kLanes + ahead->second]);
+    }
     for (; next != past; ++next) {
       batch_.add(leaves.target * kLanes + next->first, leaves.probe * kLanes + next->second);
       if (batch_.full()) measure();
@@ -263,22 +294,29 @@ class DistanceSearch {
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
     const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
-    steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
-    const Vec3 direction = axes_about(on_probe - on_target)[0];
-    is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+    for (const Vec3& direction : directions_of_best()) {
+      if (is_settled_) return;
+      steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
+      is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+    }
   }
 
-  // The same by the boxes of both bodies alone, which costs nothing. It also tries the normals of the two triangles: if
-  // the closest points are very near, rounding decides the direction of their difference.
+  // The same by the boxes of both bodies alone, which costs nothing.
   void prove_by_boxes() {
-    const Vec3 between = on_probe - on_target;
-    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
-    for (const Vec3& along :
-         {between, normal_of(pair_.target.world(of_target)), normal_of(pair_.probe.world(of_probe))}) {
-      const Vec3 direction = axes_about(dot(along, between) < 0 ? -along : along)[0];
+    for (const Vec3& direction : directions_of_best())
       is_settled_ =
           is_settled_ || is_proof(reach_of_box(pair_.probe, -direction), reach_of_box(pair_.target, direction));
-    }
+  }
+
+  // Unit vectors from the target to the probe: between the closest points, and along the normals of the two triangles.
+  // If the points are near each other, rounding turns the direction between them.
+  std::array<Vec3, 3> directions_of_best() const {
+    const Vec3 between = on_probe - on_target;
+    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
+    std::array<Vec3, 3> directions{between, normal_of(pair_.target.world(of_target)),
+                                   normal_of(pair_.probe.world(of_probe))};
+    for (Vec3& along : directions) along = axes_about(dot(along, between) < 0 ? -along : along)[0];
+    return directions;
   }
 
   // Whether prove_by_boxes() could succeed along any direction n, with any pair. Then n is nearly that of the best
@@ -328,7 +366,7 @@ class DistanceSearch {
   std::array<Vec3, 3> best_axes_;  // in the target's frame
   std::int64_t near_ties_ = 0;     // pairs within near_sq_, since a proof was tried
   double ties_of_ = std::numeric_limits<double>::infinity(), near_sq_ = 0;
-  double proof_tried_at_ = -1;
+  double proof_tried_at_ = -1, boxes_tried_at_ = 0;
   PairBatch batch_;
   const KeptByThread<std::vector<NodePair>> queue_;
 };

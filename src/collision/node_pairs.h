@@ -72,7 +72,9 @@ class NodePairs {
     const Obb other = opens_target ? in_target(of_probe) : in_probe(of_target);
     const float(*const axes)[3] = !has_axes_ ? nullptr : opens_target ? target_axes_ : probe_axes_;
     alignas(64) float distance_sq[kLanes];
-    pair_.kernels.obb_distances_sq(bvh.oriented[static_cast<std::size_t>(level)][number], other, axes, distance_sq);
+    std::uint32_t near = pair_.kernels.obb_distances_sq(bvh.oriented[static_cast<std::size_t>(level)][number], other,
+                                                        axes, most_sq, distance_sq);
+    near &= (1u << bvh.children_of(level, number)) - 1;
     if (!opens_target && probe_is_small_) {
       alignas(64) float gap[kLanes];
       pair_.kernels.gaps(pair_.target.body->view, pair_.transform,
@@ -80,10 +82,10 @@ class NodePairs {
       for (int n = 0; n < kLanes; ++n)
         if (gap[n] > 0) distance_sq[n] = std::max(distance_sq[n], gap[n] * gap[n]);
     }
-    const int lanes = bvh.children_of(level, number);
     int count = 0;
-    for (int n = 0; n < lanes; ++n) {
-      if (!(distance_sq[n] <= most_sq)) continue;
+    for (; near != 0; near &= near - 1) {
+      const int n = std::countr_zero(near);
+      if (!(distance_sq[n] <= most_sq)) continue;  // by the field
       NodePair& child = children[static_cast<std::size_t>(count++)] = nodes;
       child.distance_sq = std::max(distance_sq[n], nodes.distance_sq);
       (opens_target ? child.target : child.probe) = number * kLanes + static_cast<std::uint32_t>(n);

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -175,14 +176,13 @@ class SweepSearch {
   double end() const { return result_.time; }  // a later contact is not the first
   bool done(double time) const { return time >= end(); }
 
-  static bool is_later(const MovingNodes& a, const MovingNodes& b) { return a.time > b.time; }
   void push(const MovingNodes& nodes) {
     if (done(nodes.time)) return;
     waiting_->push_back(nodes);
-    std::ranges::push_heap(*waiting_, is_later);
+    std::ranges::push_heap(*waiting_, std::ranges::greater{}, &MovingNodes::time);
   }
   MovingNodes pop() {
-    std::ranges::pop_heap(*waiting_, is_later);
+    std::ranges::pop_heap(*waiting_, std::ranges::greater{}, &MovingNodes::time);
     const MovingNodes next = waiting_->back();
     waiting_->pop_back();
     return next;

@@ -65,6 +65,7 @@ class Tables(unittest.TestCase):
         self.assertEqual((collision.ratio(late), collision.milliseconds(late, "peer")), ("> 5000.0x", "> 120000"))
         self.assertEqual(collision.ratio(line("distance", 0.01, standoff_s=120, standoff_late=True)), "< 0.01x")
         self.assertEqual(collision.ratio(late | {"standoff_late": True}), "-")
+        self.assertEqual((collision.ratio(line("contacts", 0.00342)), quotes.short(0.0034)), ("0.0034x", "0.0034x"))
 
     def test_milliseconds(self):
         for seconds, text in [(120, "120000"), (0.0123, "12.3"), (2e-6, "0.00200")]:
@@ -94,6 +95,23 @@ class Tables(unittest.TestCase):
             self.assertEqual(len(rows), count)
             self.assertIn("note: a noisy day", comments)
 
+    # A run of all pairs takes an hour: what one that was stopped has measured counts, unless the code is another one now.
+    def test_goes_on_where_it_stopped(self):
+        pairs = [{"name": name, "args": [], "ask": {"collide": ["gap=1"]}} for name in ("first", "second")]
+        workloads = {"collision": WORKLOADS["collision"] | {"pairs": pairs}, "batches": []}
+        drivers = Pretended(["fcl"], [3])
+        with self.assertRaises(IndexError):  # it is stopped at the second pair
+            printed(collision.run, drivers, workloads, True, None, None, "nowhere")
+        self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["first"])
+        drivers = Pretended(["fcl"], [2])
+        printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True, 2, 20)
+        self.assertEqual([row["pair"] for row in quotes.read(self.folder / "collision.csv")[1]], ["second", "first"])
+        self.assertEqual(drivers.asked[0][1][:4], ["--enough", "2", "--limit", "20"])
+        with unittest.mock.patch.object(harness, "commit", lambda: "another"):
+            drivers = Pretended(["fcl"], [2, 2])
+            printed(collision.run, drivers, workloads, True, None, None, "nowhere", "", True)
+        self.assertEqual(len(drivers.asked), 2)
+
     def test_placings(self):
         for where, text in [("gap=0.1,poses=9", "0.1 apart"), ("depth=2,way=3", "2 deep, way 3"), ("hits=0", "in its box, free"),
                             ("hits=0.45,poses=10", "in its box, 45 % touching"), ("hits=1", "in its box, touching"),
@@ -115,6 +133,10 @@ class Tables(unittest.TestCase):
         rows = [{"pair": f"p{n}", "query": "least distance", "place of b": "1 apart", "peer": "FCL", "ratio": ratio, "poses": "10",
                  "at least": "10x", "answers that differ": str(n)} for n, ratio in enumerate(ratios)]
         (line,) = quotes.summary(rows, True)
+        self.assertEqual(line["worst of medians"], "-")
+        (line,) = quotes.summary([row | {"of medians": f"{n + 2.5}x"} for n, row in enumerate(rows)], True)
+        self.assertEqual(line["worst of medians"], "2.5x (p0, 1 apart)")
+        self.assertEqual(quotes.shortfall(rows), 0.098)
         self.assertEqual((line["worst"], line["median"], line["best"]), ("0.98x (p1, 1 apart)", "7.2x", "> 30x (p2, 1 apart)"))
         self.assertEqual((line["cases"], line["slower in"], line["answers"], line["that differ"]), (5, 1, 50, 10))
         self.assertEqual([quotes.short(number) for number in (0.996, 0.994, 9.96, 9.94)], ["1.0x", "0.99x", "10x", "9.9x"])

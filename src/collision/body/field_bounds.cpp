@@ -18,7 +18,7 @@
 namespace standoff::collision {
 namespace {
 
-constexpr double kUsualSamples = 12e6;
+constexpr double kUsualSamples = 6e6;
 constexpr double kEdgeShare = 0.25;
 constexpr double kMostCoarse = 0x1p28;
 // The largest sample index per axis: the kernels round indices in single precision, which has no halves beyond this.

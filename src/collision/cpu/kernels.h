@@ -20,8 +20,10 @@ struct Kernels {
   /// Returns bit n if box n and `box` share a point.
   std::uint32_t (*overlapping)(const Boxes16&, const FloatBox& box);
   /// Squared distances between oriented boxes and `box`, in one frame, at least: by their projections onto the axes of
-  /// both, onto the line of centers, and, where given, onto three more perpendicular unit vectors.
-  void (*obb_distances_sq)(const Obb16&, const Obb& box, const float (*axes)[3], float* distance_sq);
+  /// both, onto the line of centers, and, where given, onto three more perpendicular unit vectors. Returns bits of
+  /// those that are at most `most_sq`.
+  std::uint32_t (*obb_distances_sq)(const Obb16&, const Obb& box, const float (*axes)[3], float most_sq,
+                                    float* distance_sq);
   /// Pairs of a triangle of a leaf and one of another whose projections onto both sets of axes are no farther apart
   /// than the root of most_sq. Of each leaf the center that the axes' offsets lead from and to, and the number of its
   /// triangles. Returns how many pairs there are.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <utility>
 
 #include "bvh/overlapping.inl"
 #include "collision/body/kernel_data.h"
@@ -61,7 +62,8 @@ STANDOFF_INLINE WideFloat squared_gap(const WideFloat& distance, const WideFloat
   return gap * gap;
 }
 
-void obb_distances_sq(const Obb16& boxes, const Obb& box, const float (*axes)[3], float* distance_sq) {
+std::uint32_t obb_distances_sq(const Obb16& boxes, const Obb& box, const float (*axes)[3], float most_sq,
+                               float* distance_sq) {
   const WidePoint offset = same_points(box.center) - load_points(boxes.center);
   const WideFloat half[3] = {WideFloat::load(boxes.half[0]), WideFloat::load(boxes.half[1]),
                              WideFloat::load(boxes.half[2])};
@@ -104,8 +106,10 @@ void obb_distances_sq(const Obb16& boxes, const Obb& box, const float (*axes)[3]
     best = max(best, of_axes);
   }
   best.store(distance_sq);
+  return less_equal(best, WideFloat(most_sq)).to_bits();
 }
 
+// Sixteen intervals on an axis.
 struct Projections {
   WideFloat low, high;
 };
@@ -113,6 +117,19 @@ STANDOFF_INLINE Projections projections(const WidePoint (&corner)[3], const floa
   const WideFloat at[3] = {along(corner[0], axis), along(corner[1], axis), along(corner[2], axis)};
   return {min(at[0], min(at[1], at[2])), max(at[0], max(at[1], at[2]))};
 }
+STANDOFF_INLINE WideFloat squared_gap(const Projections& a, const Projections& b) {
+  return squared_gap(max(a.low - b.high, b.low - a.high), WideFloat(0));
+}
+// The interval around all, in all lanes.
+STANDOFF_INLINE Projections around(const Projections& p) {
+  return {WideFloat(reduce_min(p.low)), WideFloat(reduce_max(p.high))};
+}
+
+// The two leaves along one set of axes: the projections of the first one's triangles in arrays, to read one at a time.
+struct LeafProjections {
+  alignas(64) float low[3][kLanes], high[3][kLanes];
+  Projections second[3];
+};
 
 int near_triangles(const Triangle16& first, const float (&center)[3], int count, const Triangle16& second,
                    const float (&second_center)[3], int second_count, const LeafAxes (&axes)[2], float most_sq,
@@ -122,26 +139,35 @@ int near_triangles(const Triangle16& first, const float (&center)[3], int count,
     mine[k] = load_points(first.corner[k]) - same_points(center);
     theirs[k] = load_points(second.corner[k]) - same_points(second_center);
   }
-  alignas(64) float low[2][3][kLanes], high[2][3][kLanes];
-  Projections other[2][3];
+  const auto project = [&](int set, int k) __attribute__((always_inline)) {
+    const Projections moved = projections(theirs, axes[set].second[k]);
+    const WideFloat offset(axes[set].offset[k]);
+    return std::pair(projections(mine, axes[set].first[k]), Projections{moved.low + offset, moved.high + offset});
+  };
+  // Most pairs of leaves, and most triangles of the others, are too far apart along the first axis alone.
+  std::pair<Projections, Projections> both = project(0, 0);
+  const auto near_all = [&](const Projections& some, const Projections& others) __attribute__((always_inline)) {
+    return less_equal(squared_gap(some, around(others)), WideFloat(most_sq)).to_bits();
+  };
+  std::uint32_t rows = near_all(both.first, both.second) & ((1u << count) - 1);
+  if (rows == 0) return 0;
+  const std::uint32_t lanes = near_all(both.second, both.first) & ((1u << second_count) - 1);
+  LeafProjections along_axes[2];
   for (int set = 0; set < 2; ++set)
     for (int k = 0; k < 3; ++k) {
-      const Projections own = projections(mine, axes[set].first[k]);
-      own.low.store(low[set][k]);
-      own.high.store(high[set][k]);
-      const Projections moved = projections(theirs, axes[set].second[k]);
-      other[set][k] = {moved.low + WideFloat(axes[set].offset[k]), moved.high + WideFloat(axes[set].offset[k])};
+      if (set + k > 0) both = project(set, k);
+      both.first.low.store(along_axes[set].low[k]);
+      both.first.high.store(along_axes[set].high[k]);
+      along_axes[set].second[k] = both.second;
     }
-  const std::uint32_t lanes = (1u << second_count) - 1;
   int found = 0;
-  for (int n = 0; n < count; ++n) {
+  for (; rows != 0; rows &= rows - 1) {
+    const int n = __builtin_ctz(rows);
     WideFloat best(0);
-    for (int set = 0; set < 2; ++set) {
+    for (const LeafProjections& set : along_axes) {
       WideFloat sum(0);
       for (int k = 0; k < 3; ++k)
-        sum = sum + squared_gap(max(WideFloat(low[set][k][n]) - other[set][k].high,
-                                    other[set][k].low - WideFloat(high[set][k][n])),
-                                WideFloat(0));
+        sum = sum + squared_gap(Projections{WideFloat(set.low[k][n]), WideFloat(set.high[k][n])}, set.second[k]);
       best = max(best, sum);
     }
     std::uint32_t near = less_equal(best, WideFloat(most_sq)).to_bits() & lanes;

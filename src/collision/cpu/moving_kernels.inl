@@ -68,7 +68,10 @@ class MovingBoxes {
         offset_(moving.center - resting.center),
         arm_(moving.center - same_points(velocity.center)),
         keep_(keep),
-        rate_(velocity.rate) {
+        rate_(velocity.rate),
+        turning_(0),
+        turns_(!(velocity.rotation == Vec3{})) {
+    if (!turns_) return;
     WideDouble size_sq(0);
     for (const WideDouble& half : moving.half) size_sq = size_sq + half * half;
     // Axes in single precision may be longer than one: corners are farther from the center than the half diagonal.
@@ -82,14 +85,17 @@ class MovingBoxes {
   // resting box now, b bounds their acceleration, and c their speed at any time.
   STANDOFF_INLINE WideDouble free_time(const DoublePoint& axis) const {
     const WideDouble zero(0), two(2), never(std::numeric_limits<double>::infinity()), along = plain_dot(axis, offset_);
-    const DoublePoint n = select(less(along, zero), axis * WideDouble(-1.0), axis), q = plain_cross(n, rotation_);
+    const DoublePoint n = select(less(along, zero), axis * WideDouble(-1.0), axis);
     const WideDouble by_linear = -plain_dot(n, linear_);
-    WideDouble gap = magnitude(along) - keep_, a = by_linear - plain_dot(q, arm_);
-    for (int k = 0; k < 3; ++k) {
+    WideDouble gap = magnitude(along) - keep_;
+    for (int k = 0; k < 3; ++k)
       gap = gap - resting_.half[k] * magnitude(plain_dot(n, resting_.axis[k])) -
             moving_.half[k] * magnitude(plain_dot(n, moving_.axis[k]));
-      a = a + moving_.half[k] * magnitude(plain_dot(q, moving_.axis[k]));
-    }
+    if (!turns_)  // b is 0, and all points have one speed
+      return select(less(zero, gap), select(less(zero, by_linear), gap / by_linear, never), zero);
+    const DoublePoint q = plain_cross(n, rotation_);
+    WideDouble a = by_linear - plain_dot(q, arm_);
+    for (int k = 0; k < 3; ++k) a = a + moving_.half[k] * magnitude(plain_dot(q, moving_.axis[k]));
     const WideDouble b = length(q) * turning_, c = by_linear + b / rate_;
     // Both forms of the root are the same number; each loses digits where the other does not.
     const auto approaches = less(zero, a);
@@ -105,6 +111,7 @@ class MovingBoxes {
   EightObbs resting_, moving_;
   DoublePoint linear_, rotation_, offset_, arm_;
   WideDouble keep_, rate_, turning_;
+  bool turns_;
 };
 
 void obb_free_times(const Obb16& boxes, const DoubleObb& box, bool sixteen_move, const RigidVelocity& velocity,

@@ -49,10 +49,13 @@ TEST(OrientedBoxes, ABoundIsNeverAboveADistance) {
       for (std::size_t k = 0; k < 3; ++k)
         for (int j = 0; j < 3; ++j) axes[k][j] = static_cast<float>(frame[k][j]);
       alignas(64) float bound_sq[kLanes], without[kLanes], other[kLanes];
-      best_kernels().obb_distances_sq(boxes, box, axes, bound_sq);
-      best_kernels().obb_distances_sq(boxes, box, nullptr, without);
+      best_kernels().obb_distances_sq(boxes, box, nullptr, 0, without);
+      const float most_sq = without[0];
+      best_kernels().obb_distances_sq(boxes, box, axes, most_sq, bound_sq);
+      std::uint32_t within = 0;
+      for (int lane = 0; lane < kLanes; ++lane) within |= std::uint32_t{bound_sq[lane] <= most_sq} << lane;
       for (const Kernels* kernels : all_kernels()) {
-        kernels->obb_distances_sq(boxes, box, axes, other);
+        EXPECT_EQ(kernels->obb_distances_sq(boxes, box, axes, most_sq, other), within) << kernels->name;
         EXPECT_EQ(std::memcmp(bound_sq, other, sizeof other), 0) << kernels->name;
       }
       for (int lane = 0; lane < kLanes; ++lane) {
