@@ -109,8 +109,8 @@ TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   }
 }
 
-// A limit of 200 MB once refused a signed band of 38 MB: what the quick passes over a closed mesh hold was bounded by what
-// a mesh without shared vertices, of as many parts as triangles, would take.
+// A limit of 200 MB once refused a signed band of 38 MB: what the quick passes over a closed mesh hold was bounded by
+// what a mesh without shared vertices, of as many parts as triangles, would take.
 TEST(MemoryOfTheZoo, ASignedBandIsNotPredictedToTakeSeveralTimesWhatItTakes) {
   for (const char* scene : {"sphere", "catapult"}) {
     const Kind kind{scene, fitted(scenes::make(scene, 20'000))};
