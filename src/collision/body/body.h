@@ -102,7 +102,7 @@ struct BodyAccess {
 };
 inline const BodyData& data_of(const Body& body) { return BodyAccess::data(body); }
 
-/// The default spacing for a mesh: it gives about 6 million samples in the box, but is at least a quarter of the mean
+/// The default spacing for a mesh: it gives 6 to 12 million samples in the box, but is at least a quarter of the mean
 /// edge, below which a finer field gives no better bound.
 double default_spacing(MeshView mesh, const Box& box);
 
