@@ -42,15 +42,18 @@ std::string bash_value(const ManualValue& value) {
   return ":";
 }
 
+// With `asking` these offer nothing: then it only matters which of them is called.
 constexpr const char* kBashHelpers = R"(
-_standoff_words() { mapfile -t COMPREPLY < <(compgen -W "$1" -- "$cur"); }
+_standoff_words() { [[ $asking ]] || mapfile -t COMPREPLY < <(compgen -W "$1" -- "$cur"); }
 _standoff_folders() {
+  if [[ $asking ]]; then return; fi
   compopt -o filenames 2>/dev/null
   mapfile -t COMPREPLY < <(compgen -d -- "$cur")
 }
 # Files of these extensions, with bars between, and folders to look into; without extensions any file.
 _standoff_files() {
   local name lower
+  if [[ $asking ]]; then return; fi
   compopt -o filenames 2>/dev/null
   while IFS= read -r name; do
     lower=${name,,}
@@ -90,34 +93,35 @@ _standoff_value() {
   esac
 }
 _standoff_takes_value() {
-  local cur=
-  local -a COMPREPLY=()
+  local asking=yes
   _standoff_value "$1"
 }
 _standoff() {
-  local cur=${COMP_WORDS[COMP_CWORD]} verb= options= word n=0
+  local cur=${COMP_WORDS[COMP_CWORD]} verb= options= asking= word= option= n=0 only_arguments=
   local -i at
   COMPREPLY=()
   for ((at = 1; at < COMP_CWORD; ++at)); do
     word=${COMP_WORDS[at]}
     if [[ -z $verb ]]; then
       [[ $word == -* ]] || verb=$word
-    elif [[ $word == -* ]]; then
+    elif [[ $word == -- && -z $only_arguments ]]; then
+      only_arguments=yes
+    elif [[ $word == -* && -z $only_arguments ]]; then
       if _standoff_takes_value "$word"; then
         ((++at))
         [[ ${COMP_WORDS[at]} == = ]] && ((++at))
-        ((at < COMP_CWORD)) || break
+        if ((at >= COMP_CWORD)); then option=$word; fi  # whose value is at the cursor
       fi
     else
       ((++n))
     fi
   done
   if [[ $cur == = ]]; then cur=; fi
-  if ((at >= COMP_CWORD)) && [[ -n $verb && $word == -* ]] && _standoff_value "$word"; then return; fi
+  if [[ $option ]] && _standoff_value "$option"; then return; fi
   case $verb in
 )" + options +
          R"(  esac
-  if [[ $cur == -* ]]; then
+  if [[ $cur == -* && -z $only_arguments ]]; then
     _standoff_words "$options"
   elif [[ -z $verb ]]; then
     _standoff_words ')" +

@@ -211,17 +211,21 @@ std::string table_of(const std::string& heading) { return "\n## " + heading + "\
 }  // namespace
 
 std::string markdown_page(const ManualPage& page) {
-  std::string text = "# " + page.name + "\n\n" + page.line + "\n\n```text\n" + page.examples + "```\n";
+  std::string text = "# " + (page.name.empty() ? "standoff" : page.name) + "\n\n" + page.line + "\n\n```text\n" + page.examples + "```\n";
   if (!page.arguments.empty()) text += table_of("Arguments");
   for (const ManualArgument& argument : page.arguments)
     text += row(argument.value.name + (argument.repeats ? "..." : ""), argument.help);
-  std::string group;
-  for (const ManualOption& option : page.options) {
-    if (option.group != group) text += table_of(option.group);
-    group = option.group;
-    std::string names;
-    for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + name;
-    text += row(names + (option.value.name.empty() ? "" : " " + option.value.name), option.help);
+  std::vector<std::string> groups;  // each once, though others may stand between its options
+  for (const ManualOption& option : page.options)
+    if (std::ranges::find(groups, option.group) == groups.end()) groups.push_back(option.group);
+  for (const std::string& group : groups) {
+    text += table_of(group);
+    for (const ManualOption& option : page.options) {
+      if (option.group != group) continue;
+      std::string names;
+      for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + name;
+      text += row(names + (option.value.name.empty() ? "" : " " + option.value.name), option.help);
+    }
   }
   return text;
 }

@@ -22,7 +22,7 @@ constexpr const char* kSliceExamples =
     R"(  standoff slice bunny.vti                             the plane that shows the most, into bunny.png
   standoff slice bunny.vti -o side.png --axis x --at 0.3
   standoff slice bunny.vti -o floor.png --axis z --index 0      the first plane of samples
-  standoff slice bunny.vti -o dark.png --background dark --title Bunny --unit mm
+  standoff slice bunny.vti -o dark.png --background dark --title Bunny --length-unit mm
   standoff slice bunny.vti -o red.png --colormap thesis
 )";
 

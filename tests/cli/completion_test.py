@@ -79,6 +79,11 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.bash("compute", "bunny.obj", "--output", "="), {"bunny.vti", "folder"})
         self.assertEqual(self.bash("compute", "bunny.obj", "--cache", ""), {"folder"})
         self.assertEqual(self.bash("compute", "bunny.obj", "-r", ""), set())
+        # An option that has its value is done with.
+        self.assertEqual(self.bash("compute", "-r", "64", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("compute", "--sign", "flood", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("compute", "-o", "=", "x.vti", "b"), {"bunny.obj"})
+        self.assertEqual(self.bash("compute", "--", "-"), set())
 
     def test_bash_offers_names(self):
         self.assertIn("winding", self.bash("compute", "--sign", ""))
@@ -135,6 +140,9 @@ class Completion(unittest.TestCase):
             missing = [name for name in OPTIONS[verb] if "\\fB" + name.replace("-", "\\-") + "\\fR" not in verb_page]
             self.assertEqual(missing, [], verb)
             self.assertIn(".SH EXIT STATUS\n", verb_page)
+            rows = [line.split("` |")[0] for line in run("man", verb, "--markdown").splitlines() if line.startswith("| `")]
+            names = {name for row in rows for name in re.findall(r"-+[\w-]+", row)}
+            self.assertEqual(set(OPTIONS[verb]) - names, set(), verb)
             self.assertIn(f"standoff {verb}".replace("-", "\\-"), verb_page.split(".SH EXAMPLES\n")[1])
 
     def check_pages(self, *command):

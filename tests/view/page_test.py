@@ -217,7 +217,8 @@ async def links_keep_the_view(page):
     after = await page.ask(seen)
     rounded = [json.loads(text, parse_float=lambda v: round(float(v), 5)) for text in (before, after)]
     expect(rounded[0] == rounded[1], f"a link shows what was seen: {before}, {after}")
-    for nonsense in ("%", "null", "[]", '{"look":{"comparison":"x","colormap":7,"clip":{"axis":9},"__proto__":{"a":1},"range":[3,1]},"camera":{"up":5,"distance":-3}}'):
+    for nonsense in ("%", "null", "[]", '{"look":{"comparison":"x","colormap":7,"clip":{"axis":9},"__proto__":{"a":1},"range":[3,1]},"camera":{"up":5,"distance":-3}}',
+                     '{"look":{"slices":{"length":4000000000},"edgeColor":{"length":-2}}}', '{"camera":{"target":{"length":0,"1":1e308}}}'):
         await page.open("single.html")
         await page.open("page.html#view=" + nonsense.replace('"', "%22"))
         expect(await page.ask("document.getElementById('failure').hidden && viewer.gl.getError() === 0 && viewer.look.clip.axis < 3"), f"nonsense does no harm: {nonsense}")

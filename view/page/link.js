@@ -5,15 +5,17 @@ import {clamp} from './vec.js';
 const kMark = '#view=';
 const rounded = (key, value) => typeof value === 'number' ? Number(value.toPrecision(7)) : value;
 
+const kCamera = ['up', 'parallel', 'azimuth', 'elevation', 'distance', 'target'];
+const kLook = ['slices', 'contours', 'colormap', 'range', 'rangeShare', 'logarithmic', 'comparison', 'clip', 'meshes', 'mesh', 'iso', 'points'];
+const only = (object, names) => Object.fromEntries(names.map(name => [name, object?.[name]]));
+
 /// What is seen, as text that a fragment may be.
 export function fragmentOf({camera, look}) {
-  const {up, parallel, azimuth, elevation, distance, target} = camera;
-  const {slices, contours, colormap, range, rangeShare, logarithmic, comparison, clip, meshes} = look;
   const state = {
-    camera: {up, parallel, azimuth, elevation, distance, target},
+    camera: only(camera, kCamera),
     look: {
-      slices: slices.map(({shown, at}) => ({shown, at, touched: true})), contours, colormap, range, rangeShare, logarithmic, comparison, clip, meshes,
-      mesh: without(look.mesh, 'color', 'backColor'), iso: without(look.iso, 'color'), points: look.points,
+      ...only(look, kLook), slices: look.slices.map(({shown, at}) => ({shown, at, touched: true})),
+      mesh: without(look.mesh, 'color', 'backColor'), iso: without(look.iso, 'color'),
     },
     theme: document.documentElement.dataset.theme,
   };
@@ -32,9 +34,10 @@ export function showFragment(viewer, fragment) {
   } catch {
     return false;
   }
-  take(viewer.camera, state?.camera);
-  take(viewer.look, state?.look);
+  take(viewer.camera, only(state?.camera, kCamera));
+  take(viewer.look, only(state?.look, kLook));
   viewer.camera.distance = clamp(viewer.camera.distance, 1e-3, 60);
+  viewer.camera.target.forEach((at, axis) => { viewer.camera.target[axis] = clamp(at, -60, 60); });
   if (['light', 'dark'].includes(state?.theme)) document.documentElement.dataset.theme = state.theme;
   viewer.readTheme();
   viewer.rebuild();
@@ -50,8 +53,9 @@ const kChoices = {
 
 function take(own, said) {
   if (typeof said !== 'object' || said === null) return;
-  for (const [key, value] of Object.entries(said)) {
-    if (!Object.hasOwn(own, key)) continue;
+  for (const key of Object.keys(own)) {  // of an array its indices, and not its length
+    const value = Object.hasOwn(said, key) ? said[key] : undefined;
+    if (value === undefined) continue;
     if (key === 'meshes') own.meshes = meshesOf(value);
     else if (key === 'range') own.range = isRange(value) ? value : null;
     else if (key in kChoices) own[key] = kChoices[key].includes(value) ? value : own[key];
