@@ -211,7 +211,8 @@ std::string table_of(const std::string& heading) { return "\n## " + heading + "\
 }  // namespace
 
 std::string markdown_page(const ManualPage& page) {
-  std::string text = "# " + (page.name.empty() ? "standoff" : page.name) + "\n\n" + page.line + "\n\n```text\n" + page.examples + "```\n";
+  std::string text = "# " + (page.name.empty() ? "standoff" : page.name) + "\n\n" + page.line + "\n\n```text\n" +
+                     page.examples + "```\n";
   if (!page.arguments.empty()) text += table_of("Arguments");
   for (const ManualArgument& argument : page.arguments)
     text += row(argument.value.name + (argument.repeats ? "..." : ""), argument.help);
