@@ -5,8 +5,8 @@ README.md is one session in a shell, from the clone to a program that uses the l
 home. Two of its commands get stand-ins: `git clone` copies this source tree, without its bootstrap, and `cmake` passes over the
 building of what is built already. The demo, the installation and the user's program are real.
 
-Of docs/*.md the blocks of sh run in order in a folder with bunny.obj; of the project's own scripts the help is asked for. The
-blocks of cpp are compiled with the library that README.md's session installed and run; without a main they are the inside of
+Of each of docs/*.md the blocks of sh run in order in a folder of its own with bunny.obj; of the project's own scripts the help
+is asked for. The blocks of cpp are compiled with the library that README.md's session installed and run; without a main they are the inside of
 one. Blocks of text are passed over."""
 # labels: builds
 import os
@@ -106,12 +106,13 @@ def run_programs_of(page, folder, home):
 def main():
     if not (MODELS / "bunny.obj").exists():
         sys.exit(f"no {MODELS}: the demo's meshes are missing; run script/bootstrap build")
-    home, folder = pathlib.Path("home").resolve(), pathlib.Path("docs").resolve()
+    home = pathlib.Path("home").resolve()
     home.mkdir()
-    folder.mkdir()
     run_readme(home)
-    shutil.copy(MODELS / "bunny.obj", folder)
     for page in PAGES:
+        folder = pathlib.Path("docs", page.stem).resolve()
+        folder.mkdir(parents=True)
+        shutil.copy(MODELS / "bunny.obj", folder)
         run_shell_of(page, folder)
         run_programs_of(page, folder, home)
 
