@@ -128,8 +128,11 @@ class DistanceField:
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the values come from: ``method``, ``mesh_hash``, ``version``, ``sign``, and ``up``, the axis of
-        the mesh that points up; empty: unknown. Every file format keeps it."""
+        """Where the values come from; every file format keeps it.
+
+        The keys are ``method``, ``mesh_hash``, ``version``, ``sign``, and ``up``: the axis of the mesh that points up,
+        empty where that is unknown.
+        """
         p = self._provenance
         return {"method": p.method, "mesh_hash": p.mesh_hash, "version": p.version, "sign": p.sign, "up": p.up}
 

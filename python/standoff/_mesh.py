@@ -140,8 +140,13 @@ class Mesh:
     def plot(
         self, *, width: int = 960, height: int = 720, azimuth: float = 35, elevation: float = 25, up: str = "auto"
     ) -> Picture:
-        """A picture of the mesh, which notebooks show; see `Picture`. `up`: x, y, z, or auto: `Mesh.up`, or where that
-        is unknown the axis along which the mesh stands on the flattest base."""
+        """A picture of the mesh, which notebooks show; see `Picture`.
+
+        Args:
+            width, height: of the picture, pixels.
+            azimuth, elevation: of the camera, degrees.
+            up: the axis that points up: x, y or z; auto: `Mesh.up`, or that of the flattest base.
+        """
         from ._picture import Picture
 
         size = whole_number(width, "width", bits=32), whole_number(height, "height", bits=32)
