@@ -99,7 +99,10 @@ ManualPage page_of(const CLI::App& app, const CLI::App& program) {
     found.value = value_of(*option, program);
     found.help = on_one_line(option->get_description());
     found.group = option->get_group();
-    page.options.push_back(std::move(found));
+    // A group stands once, though other options may have been added between its own.
+    auto place = std::find_if(page.options.rbegin(), page.options.rend(),
+                              [&](const ManualOption& other) { return other.group == found.group; });
+    page.options.insert(place == page.options.rend() ? page.options.end() : place.base(), std::move(found));
   }
   return page;
 }
@@ -216,17 +219,13 @@ std::string markdown_page(const ManualPage& page) {
   if (!page.arguments.empty()) text += table_of("Arguments");
   for (const ManualArgument& argument : page.arguments)
     text += row(argument.value.name + (argument.repeats ? "..." : ""), argument.help);
-  std::vector<std::string> groups;  // each once, though others may stand between its options
-  for (const ManualOption& option : page.options)
-    if (std::ranges::find(groups, option.group) == groups.end()) groups.push_back(option.group);
-  for (const std::string& group : groups) {
-    text += table_of(group);
-    for (const ManualOption& option : page.options) {
-      if (option.group != group) continue;
-      std::string names;
-      for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + name;
-      text += row(names + (option.value.name.empty() ? "" : " " + option.value.name), option.help);
-    }
+  std::string group;
+  for (const ManualOption& option : page.options) {
+    if (option.group != group) text += table_of(option.group);
+    group = option.group;
+    std::string names;
+    for (const std::string& name : option.names) names += (names.empty() ? "" : ", ") + name;
+    text += row(names + (option.value.name.empty() ? "" : " " + option.value.name), option.help);
   }
   return text;
 }

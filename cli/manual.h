@@ -39,7 +39,7 @@ struct ManualPage {
   std::string examples;  ///< a line each, with two blanks before it
   std::string footer;
   std::vector<ManualArgument> arguments;
-  std::vector<ManualOption> options;
+  std::vector<ManualOption> options;  ///< those of a group side by side
 };
 
 /// The page of the program, and then one for each verb, in the order of the help.

@@ -141,6 +141,8 @@ class Completion(unittest.TestCase):
             self.assertEqual(missing, [], verb)
             self.assertIn(".SH EXIT STATUS\n", verb_page)
             rows = [line.split("` |")[0] for line in run("man", verb, "--markdown").splitlines() if line.startswith("| `")]
+            headings = re.findall(r"^## .*$", run("man", verb, "--markdown"), re.M)
+            self.assertEqual(len(headings), len(set(headings)), f"{verb}: a group stands once")
             names = {name for row in rows for name in re.findall(r"-+[\w-]+", row)}
             self.assertEqual(set(OPTIONS[verb]) - names, set(), verb)
             self.assertIn(f"standoff {verb}".replace("-", "\\-"), verb_page.split(".SH EXAMPLES\n")[1])
