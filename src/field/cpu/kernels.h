@@ -253,8 +253,9 @@ struct Kernels {
   /// each cell of 4x4x4 samples.
   void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
                       CandidateTable&, BrickState&);
-  /// Culls the boxes of a crowded cell, of nodes and triangles: writes to `kept`, which may be the same memory, those that
-  /// some block keeps. `in_entry`: a triangle of each entry; its point bounds the distances of samples from now on.
+  /// Culls the boxes of a crowded cell, of nodes and triangles: writes to `kept`, which may be the same memory, those
+  /// that some block keeps. `in_entry`: a triangle of each entry; its point bounds the distances of samples from now
+  /// on.
   void (*keep_near)(const BlockLattice&, const CrowdedCell&, const std::uint32_t* in_entry, CrowdedTable&,
                     const BrickState&, BoxArrays& kept);
   /// Gathers a crowded cell, as gather_tile() does a tile. The candidates are the cell's boxes; `mesh` lists none.

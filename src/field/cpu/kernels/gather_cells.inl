@@ -245,16 +245,16 @@ void keep_near(const BlockLattice& lattice, const CrowdedCell& cell, const std::
   const BoxArrays& b = cell.boxes;
   const BlockLimits limits = crowded_limits(lattice, cell, samples, in_entry, b.count, table, state);
   std::int64_t count = 0;
-  choose_for_blocks(samples, limits, {b.low[0], b.low[1], b.low[2]}, {b.high[0], b.high[1], b.high[2]},
-                    static_cast<int>(b.count),
-                    [&](int first, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
-                      const Mask any = (chosen[0] | chosen[1]) | (chosen[2] | chosen[3]);
-                      for (int axis = 0; axis < 3; ++axis) {
-                        store_packed(kept.low[axis] + count, any, WideFloat::load(b.low[axis] + first));
-                        store_packed(kept.high[axis] + count, any, WideFloat::load(b.high[axis] + first));
-                      }
-                      count += store_packed(kept.entry + count, any, WideUint::load(b.entry + first));
-                    });
+  choose_for_blocks(
+      samples, limits, {b.low[0], b.low[1], b.low[2]}, {b.high[0], b.high[1], b.high[2]},
+      static_cast<int>(b.count), [&](int first, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
+        const Mask any = (chosen[0] | chosen[1]) | (chosen[2] | chosen[3]);
+        for (int axis = 0; axis < 3; ++axis) {
+          store_packed(kept.low[axis] + count, any, WideFloat::load(b.low[axis] + first));
+          store_packed(kept.high[axis] + count, any, WideFloat::load(b.high[axis] + first));
+        }
+        count += store_packed(kept.entry + count, any, WideUint::load(b.entry + first));
+      });
   kept.count = count;
 }
 
@@ -303,8 +303,7 @@ void gather_crowded(const BlockLattice& lattice, const Brick& brick, const Crowd
   for (std::int64_t first = 0; first < cell.boxes.count; first += CrowdedTable::kMost) {
     const std::int64_t left = cell.boxes.count - first;
     const int count = left < CrowdedTable::kMost ? static_cast<int>(left) : CrowdedTable::kMost;
-    const BlockLimits limits =
-        crowded_limits(lattice, cell, samples, cell.boxes.entry + first, count, table, state);
+    const BlockLimits limits = crowded_limits(lattice, cell, samples, cell.boxes.entry + first, count, table, state);
     choose_crowded(cell, samples, limits, first, count, table);
     set_up_chosen(lattice, brick, mesh, table);
     for (int n = 0; n < kBlocksOfCell; ++n)
