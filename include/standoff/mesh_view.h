@@ -223,13 +223,19 @@ struct MeshView {
 
   /// The three corners of a triangle of a valid mesh. Faster than corner() three times.
   std::array<Vec3, 3> corners(std::size_t triangle) const {
-    if (!triangles.packed() || !vertices.packed())
-      return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
-    const Triangle t = triangles[triangle];
-    const auto vertex = [&](std::uint32_t n) {
-      return detail::load_vertex<double>(vertices.data() + n * sizeof(Vec3));
+    if (!triangles.packed() || !vertices.packed()) return corners_with_gaps(triangle);
+    const std::byte* const first = triangles.data() + triangle * sizeof(Triangle);
+    const auto at = [&](std::size_t k) {
+      const auto vertex = detail::load<std::uint32_t>(first + sizeof(std::uint32_t) * k);
+      return detail::load_vertex<double>(vertices.data() + vertex * sizeof(Vec3));
     };
-    return {vertex(t[0]), vertex(t[1]), vertex(t[2])};
+    return {at(0), at(1), at(2)};
+  }
+
+ private:
+  // Not inlined, so that corners() is.
+  [[gnu::noinline]] std::array<Vec3, 3> corners_with_gaps(std::size_t triangle) const {
+    return {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
   }
 };
 

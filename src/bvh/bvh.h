@@ -114,6 +114,12 @@ class Bvh {
     const std::uint32_t first = begin + kFanout * (number - level_begin_[level]);
     return {first, static_cast<int>(std::min<std::uint32_t>(kFanout, end - first)), &boxes_[number]};
   }
+  /// The first of the triangles that an entry stands for.
+  std::uint32_t first_triangle(std::uint32_t entry) const {
+    if (!is_node(entry)) return entry;
+    const std::size_t level = level_of(entry - triangles());
+    return (entry - triangles() - level_begin_[level]) << 4 * (level + 1);
+  }
   /// How many triangles an entry stands for, at most: the last node of a level may hold fewer.
   std::int64_t triangles_in(std::uint32_t entry) const {
     return is_node(entry) ? std::int64_t{kFanout} << 4 * level_of(entry - triangles()) : 1;

@@ -65,11 +65,12 @@ CandidateLists::CandidateLists(int level_count, std::int64_t capacity)
   for (int n = 0; n < level_count; ++n) levels.emplace_back(capacity);
   nodes.reserve(static_cast<std::size_t>(capacity));
   triangles.reserve(static_cast<std::size_t>(capacity));
+  in_entries.reserve(static_cast<std::size_t>(capacity));
 }
 
 std::int64_t CandidateLists::bytes(int level_count, std::int64_t capacity) {
   return level_count * (BoxList::bytes(capacity) + std::int64_t{sizeof(CellCandidates)}) +
-         3 * BoxList::bytes(capacity) + capacity * std::int64_t{sizeof(BvhNode) + sizeof(std::uint32_t)};
+         3 * BoxList::bytes(capacity) + capacity * std::int64_t{sizeof(BvhNode) + 2 * sizeof(std::uint32_t)};
 }
 
 CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, const Kernels& kernels,
@@ -250,6 +251,19 @@ void CandidateCulling::set_triangle(std::uint32_t triangle, int lane, TriangleLa
     const Vec3 at = bvh_.frame().local(job_.mesh.corner(triangle, k));
     for (int axis = 0; axis < 3; ++axis) lanes.corner[k][axis][lane] = at[axis];
   }
+}
+
+std::int64_t CandidateCulling::nodes_below(float longest, const BoxList& list) const {
+  std::int64_t nodes = 0;
+  for (std::int64_t n = 0; n < list.size(); ++n)
+    nodes += bvh_.is_node(list.entry(n)) && list.longest_side(n) <= longest;
+  return nodes;
+}
+
+const std::uint32_t* CandidateCulling::first_triangles(const BoxList& list, CandidateLists& lists) const {
+  lists.in_entries.clear();
+  for (std::int64_t n = 0; n < list.size(); ++n) lists.in_entries.push_back(bvh_.first_triangle(list.entry(n)));
+  return lists.in_entries.data();
 }
 
 CrowdedCell CandidateCulling::crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const {

@@ -225,6 +225,7 @@ struct CandidateLists {
   BoxList part;  ///< some candidates of a tile or cell that has too many for one list
   std::vector<BvhNode> nodes;
   std::vector<std::uint32_t> triangles;
+  std::vector<std::uint32_t> in_entries;
 };
 
 /// Makes the lists of cells. Many threads may use it at once, each with its own lists.
@@ -264,7 +265,11 @@ class CandidateCulling {
   bool is_crowded(const BoxList& list, const CellTarget& tile) const;
   /// Requires a list with an entry.
   SurfacePoints points_of(const CullCell& samples, const BoxArrays& list) const;
-  /// A cell of a brick as the kernels see it. Keeps a reference to `boxes`, which must all be boxes of triangles.
+  /// The number of nodes whose longest side is at most `longest`.
+  std::int64_t nodes_below(float longest, const BoxList& list) const;
+  /// A triangle of each entry of a list, in memory of `lists`.
+  const std::uint32_t* first_triangles(const BoxList& list, CandidateLists& lists) const;
+  /// A cell of a brick as the kernels see it. Keeps a reference to `boxes`.
   CrowdedCell crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const;
 
  private:

@@ -3,7 +3,9 @@
 // chosen at run time. All sets give the same bits.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "bvh/bvh.h"
 #include "field/backend.h"
@@ -167,6 +169,10 @@ struct CrowdedTable {
   int chosen_count;
   FrameGroup groups[kTableGroups];          ///< their frames
   CandidateList block_list[kBlocksOfCell];  ///< the candidates of each block
+  /// Squared distances of the cell's samples from the nearest point of the surface so far, by block.
+  alignas(64) float least_sq[kBlocksOfCell][kLanes];
+
+  void forget_points() { std::fill_n(&least_sq[0][0], kBlocksOfCell * kLanes, std::numeric_limits<float>::infinity()); }
 };
 
 /// The squared distances of one brick while triangles are gathered into it; one per thread.
@@ -247,7 +253,12 @@ struct Kernels {
   /// each cell of 4x4x4 samples.
   void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
                       CandidateTable&, BrickState&);
-  /// The same for a crowded cell. The candidates are the cell's boxes; `mesh` lists none.
+  /// Culls the boxes of a crowded cell, of nodes and triangles: writes to `kept`, which may be the same memory, those
+  /// that some block keeps. `in_entry`: a triangle of each entry; its point bounds the distances of samples from now
+  /// on.
+  void (*keep_near)(const BlockLattice&, const CrowdedCell&, const std::uint32_t* in_entry, CrowdedTable&,
+                    const BrickState&, BoxArrays& kept);
+  /// Gathers a crowded cell, as gather_tile() does a tile. The candidates are the cell's boxes; `mesh` lists none.
   void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh,
                          bool with_nearest, CrowdedTable&, BrickState&);
 

@@ -144,6 +144,10 @@ std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattic
 
 // Thick bands and full fields.
 
+// From so many small nodes in the list of a crowded cell on, its samples cull nodes before they are opened. With fewer,
+// and with nodes that are larger than a few samples, it takes more than it saves.
+constexpr std::int64_t kManyNodes = 48;
+
 // The memory of a thread.
 struct TileWork {
   explicit TileWork(CandidateLists&& candidates) : lists(std::move(candidates)) {}
@@ -244,7 +248,16 @@ class ThickBand final : public WindowGather {
       kernels_.gather_crowded(lattice_, brick, culling_.crowded_cell(brick, cell, boxes), candidates_of(job_, {}),
                               sink_->with_nearest(), state.crowded, state.brick);
     };
-    if (culling_.narrow(lists.tile.arrays(), target, 0, lists.cell, lists.nodes)) return gather(lists.cell.arrays());
+    state.crowded.forget_points();
+    culling_.narrow(lists.tile.arrays(), target, std::numeric_limits<float>::infinity(), lists.cell, lists.nodes);
+    const float small = opened_length(target.samples);
+    if (culling_.nodes_below(small, lists.cell) >= kManyNodes) {
+      culling_.open_nodes(target, small, lists.cell, lists.nodes);
+      const CrowdedCell nodes = culling_.crowded_cell(brick, cell, lists.cell.arrays());
+      kernels_.keep_near(lattice_, nodes, culling_.first_triangles(lists.cell, lists), state.crowded, state.brick,
+                         lists.cell.arrays());
+    }
+    if (culling_.open_nodes(target, 0, lists.cell, lists.nodes)) return gather(lists.cell.arrays());
     while (culling_.next_part(target, lists.cell, lists)) gather(lists.part.arrays());
   }
 

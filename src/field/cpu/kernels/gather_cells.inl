@@ -225,6 +225,39 @@ STANDOFF_INLINE float slack_in(const CrowdedCell& cell) {
   return cell.extent * kBoxError + kSlack;
 }
 
+// The limits of the cell's samples after they looked at a point of some entries, each in the triangle `places[n]`.
+STANDOFF_INLINE BlockLimits crowded_limits(const BlockLattice& lattice, const CrowdedCell& cell,
+                                           const CellSamples& samples, const std::uint32_t* places, std::int64_t count,
+                                           CrowdedTable& table, const BrickState& state) {
+  PointDistances distances;
+  for (int n = 0; n < kBlocksOfCell; ++n) distances.least_sq[n] = WideFloat::load(table.least_sq[n]);
+  for (std::int64_t n = 0; n < count; ++n) {
+    const float* const point = cell.points[places[n]];
+    distances.look_at(samples, point[0], point[1], point[2]);
+  }
+  for (int n = 0; n < kBlocksOfCell; ++n) distances.least_sq[n].store(table.least_sq[n]);
+  return block_limits(lattice, cell.at, distances, 2 * slack_in(cell), kSlackShare, state);
+}
+
+void keep_near(const BlockLattice& lattice, const CrowdedCell& cell, const std::uint32_t* in_entry, CrowdedTable& table,
+               const BrickState& state, BoxArrays& kept) {
+  const CellSamples samples = cell_samples(lattice, cell.at, cell.brick_center);
+  const BoxArrays& b = cell.boxes;
+  const BlockLimits limits = crowded_limits(lattice, cell, samples, in_entry, b.count, table, state);
+  std::int64_t count = 0;
+  choose_for_blocks(
+      samples, limits, {b.low[0], b.low[1], b.low[2]}, {b.high[0], b.high[1], b.high[2]},
+      static_cast<int>(b.count), [&](int first, const Mask(&chosen)[kBlocksOfCell]) __attribute__((always_inline)) {
+        const Mask any = (chosen[0] | chosen[1]) | (chosen[2] | chosen[3]);
+        for (int axis = 0; axis < 3; ++axis) {
+          store_packed(kept.low[axis] + count, any, WideFloat::load(b.low[axis] + first));
+          store_packed(kept.high[axis] + count, any, WideFloat::load(b.high[axis] + first));
+        }
+        count += store_packed(kept.entry + count, any, WideUint::load(b.entry + first));
+      });
+  kept.count = count;
+}
+
 // Lists the candidates of each block, numbered in the order of all that some block keeps.
 STANDOFF_INLINE void choose_crowded(const CrowdedCell& cell, const CellSamples& samples, const BlockLimits& limits,
                                     std::int64_t first, int count, CrowdedTable& table) {
@@ -270,12 +303,7 @@ void gather_crowded(const BlockLattice& lattice, const Brick& brick, const Crowd
   for (std::int64_t first = 0; first < cell.boxes.count; first += CrowdedTable::kMost) {
     const std::int64_t left = cell.boxes.count - first;
     const int count = left < CrowdedTable::kMost ? static_cast<int>(left) : CrowdedTable::kMost;
-    PointDistances distances;
-    for (int n = 0; n < count; ++n) {
-      const float* const point = cell.points[cell.boxes.entry[first + n]];
-      distances.look_at(samples, point[0], point[1], point[2]);
-    }
-    const BlockLimits limits = block_limits(lattice, cell.at, distances, 2 * slack_in(cell), kSlackShare, state);
+    const BlockLimits limits = crowded_limits(lattice, cell, samples, cell.boxes.entry + first, count, table, state);
     choose_crowded(cell, samples, limits, first, count, table);
     set_up_chosen(lattice, brick, mesh, table);
     for (int n = 0; n < kBlocksOfCell; ++n)

@@ -21,6 +21,7 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .cull_boxes = cull_boxes,
                          .cull_nodes = cull_nodes,
                          .gather_tile = gather_tile_any,
+                         .keep_near = keep_near,
                          .gather_crowded = gather_crowded_any};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
