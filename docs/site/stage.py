@@ -151,7 +151,7 @@ def stage(folder: Path) -> None:
     for path in PARTS:
         (folder / "parts" / path.replace("/", "_")).write_text(with_links((ROOT / path).read_text(), path, known))
     for path in (ROOT / "docs").glob("*/*"):
-        if path.suffix in (".png", ".svg", ".jpg") and path.parent.name in ("images", "notebooks"):
+        if path.suffix in (".png", ".svg", ".jpg", ".webp") and path.parent.name in ("images", "notebooks"):
             target = folder / path.relative_to(ROOT / "docs")
             target.parent.mkdir(exist_ok=True)
             shutil.copy2(path, target)
