@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 ROOT = Path(__file__).resolve().parent.parent
-OUTPUT = ROOT / "docs/images"
+OUTPUT = Path(os.environ.get("OUTPUT", ROOT / "docs/images"))
 LARGE = 250_000  # bytes
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 STANDOFF = os.environ.get("STANDOFF", str(ROOT / "build/release/standoff"))
