@@ -102,7 +102,10 @@ def notebook(text: str, here: str, known: dict[str, str]) -> str:
 
 
 def start_page() -> str:
-    return (SITE / "index.md").read_text() + (ROOT / "README.md").read_text().partition("## Conventions")[0]
+    """What is on the start page: with the parts of the README that it includes."""
+    readme = (ROOT / "README.md").read_text()
+    parts = [readme.partition("## Start")[0], readme.partition("## Promises")[2].partition("## Conventions")[0]]
+    return "\n".join([(SITE / "index.md").read_text(), *parts])
 
 
 def other_pages(index: str, known: dict[str, str]) -> list[str]:
