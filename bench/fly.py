@@ -96,34 +96,6 @@ def among_millions(program, job):
     return rows
 
 
-def plot(path, by_grid, by_speed, recompute):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2))
-    for speed in dict.fromkeys(row["speed"] for row in by_grid):
-        some = [row for row in by_grid if row["speed"] == speed]
-        left.plot([r["samples"] for r in some], [float(r["steps a second"]) for r in some], "o-", label=f"field moves along, speed {speed}")
-    for on in dict.fromkeys(row["on"] for row in recompute):
-        some = [row for row in recompute if row["on"] == on and row["speed"] == recompute[0]["speed"]]
-        left.plot([r["samples"] for r in some], [float(r["steps a second"]) for r in some], "s--",
-                  label=f"computed anew, speed {some[0]['speed']}, {on}")
-    left.set(xscale="log", yscale="log", xlabel="samples of the labyrinth's grid", ylabel="steps a second",
-             title="thesis mode (Figure 5.5)")
-    for mode in ("thesis", "sweep"):
-        some = [row for row in by_speed if row["mode"] == mode]
-        right.plot([r["speed"] for r in some], [float(r["share missed"]) for r in some], "o-", label=mode)
-    right.set(xscale="log", xlabel="speed, units a step", ylabel="wall crossings / (crossings + collisions)",
-              title="collisions missed")
-    for axes in (left, right):
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=8)
-    left.set_ylim(bottom=left.get_ylim()[0] / 30)  # room for the legend
-    figure.tight_layout()
-    figure.savefig(path, dpi=110)
-    print(f"wrote {path}", file=sys.stderr)
-
-
 def run(workloads, build, note=""):
     program, job = Path(build) / "standoff", workloads["fly"]
     if not program.exists():
@@ -139,4 +111,3 @@ def run(workloads, build, note=""):
     for name, rows in (("grid", by_grid), ("speed", by_speed), ("recompute", recompute), ("large", large)):
         print(markdown(rows) + "\n")
         write_csv(folder / f"fly_{name}.csv", header, rows)
-    plot(folder / "fly.png", by_grid, by_speed, recompute)

@@ -5,6 +5,7 @@ import sys
 
 from harness import BENCH, markdown
 from output_quotes import AVX512, RESULTS
+from plot_style import BLUE, FAINT, RED, SERIES, pyplot, save
 
 DOCS = BENCH.parent / "docs"
 SIDE = "128"  # the resolution of which the page speaks; the tables have all
@@ -175,8 +176,8 @@ def pages(read_csv, between_markers, results=RESULTS / AVX512):
 
 # ---- Plots ----
 
-GROUPS = {"standoff": ("standoff", "#b3202a"), "of voxels": ("transforms of voxels", "#8a6d3b"), "OpenVDB": ("fronts and OpenVDB", "#2a6db3"),
-          "scikit": ("fronts and OpenVDB", "#2a6db3"), "": ("other libraries", "#5f6b7a")}
+GROUPS = {"standoff": ("standoff", RED), "of voxels": ("transforms of voxels", SERIES[2]), "OpenVDB": ("fronts and OpenVDB", BLUE),
+          "scikit": ("fronts and OpenVDB", BLUE), "": ("other libraries", FAINT)}
 LEAST = 1e-8  # errors below it are drawn there
 
 
@@ -201,10 +202,9 @@ def place_labels(axes, labels):
                       arrowprops=line)
 
 
-def legend(axes):
-    from matplotlib.lines import Line2D
+def legend(axes, plt):
     shown = dict(GROUPS.values())
-    axes.legend([Line2D([], [], color=colour, marker="o", linestyle="") for colour in shown.values()], shown, fontsize=7, frameon=False,
+    axes.legend([plt.Line2D([], [], color=colour, marker="o", linestyle="") for colour in shown.values()], shown, fontsize=7, frameon=False,
                 loc="upper left", bbox_to_anchor=(0, -0.1), ncols=4)
 
 
@@ -225,11 +225,10 @@ def draw_errors(rows, path, plt):
         if where == "near":
             axes.set_ylabel("error in samples: 99 % of the samples are better", fontsize=9)
         axes.set_title(f"bunny, {SIDE} samples on the longest side, {where} the surface" if where == "near" else "far from it", loc="left", fontsize=9)
-        axes.grid(True, which="major", alpha=0.3)
+        axes.grid()
         names.append((axes, labels))
-        axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(labelsize=8)
-    legend(panels[0])
+    legend(panels[0], plt)
     panels[1].text(1, -0.12, "triangles: bands only", transform=panels[1].transAxes, fontsize=7, ha="right")
     finish(figure, names, path, plt)
 
@@ -250,9 +249,8 @@ def draw_triangles(rows, path, plt):
     axes.set_xlabel("triangles", fontsize=9)
     axes.set_ylabel("processor seconds, of all threads", fontsize=9)
     axes.set_title(f"{SIDE} samples on the longest side; from the left: {', '.join(counts[count] for count in sorted(counts))}", loc="left", fontsize=9)
-    axes.grid(True, which="major", alpha=0.3)
-    legend(axes)
-    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid()
+    legend(axes, plt)
     axes.tick_params(labelsize=8)
     finish(figure, [(axes, ends)], path, plt)
 
@@ -261,22 +259,13 @@ def finish(figure, names, path, plt):
     figure.tight_layout()
     for axes, labels in names:
         place_labels(axes, labels)
-    figure.savefig(path, metadata={"Date": None})
+    save(figure, path)
     plt.close(figure)
-    print(f"wrote {path}", file=sys.stderr)
 
 
-def draw(rows):
-    try:
-        import matplotlib
-    except ImportError:
-        print("bench: no plots without matplotlib (Debian: python3-matplotlib)", file=sys.stderr)
-        return
-    matplotlib.use("Agg")
-    matplotlib.rcParams |= {"svg.fonttype": "none", "svg.hashsalt": "standoff"}
-    from matplotlib import pyplot
-    draw_errors(rows, DOCS / "images" / "methods_error.svg", pyplot)
-    draw_triangles(rows, DOCS / "images" / "methods_triangles.svg", pyplot)
+def draw(rows, plt):
+    draw_errors(rows, DOCS / "images" / "methods_error.svg", plt)
+    draw_triangles(rows, DOCS / "images" / "methods_triangles.svg", plt)
 
 
 def write():
@@ -284,5 +273,8 @@ def write():
     made = pages(quotes.read, quotes.between_markers)
     for path, text in made.items():
         path.write_text(text)
-    if made:
-        draw(quotes.read(RESULTS / AVX512 / "methods.csv")[1])
+    plt = pyplot()
+    if plt is None:
+        print("bench: no plots without matplotlib (Debian: python3-matplotlib)", file=sys.stderr)
+    elif made:
+        draw(quotes.read(RESULTS / AVX512 / "methods.csv")[1], plt)

@@ -15,7 +15,7 @@ PLACES = {"points.csv": (AVX512, "points_benchmarks.md", "points"),
           "points-build.csv": (AVX512, "points_benchmarks.md", "points build"),
           "iso.csv": (AVX512, "output_benchmarks.md", "surfaces"), "files.csv": (AVX512, "output_benchmarks.md", "files"),
           "sidecars.csv": (AVX512, "output_benchmarks.md", "sidecars"), "limits.csv": (AVX512, "limits.md", "limits"),
-          "render.csv": (AVX512, "render.md", "pictures"), "view.csv": (AVX512, "view.md", "pages"),
+          "render.csv": (AVX512, "render_benchmarks.md", "pictures"), "view.csv": (AVX512, "view_benchmarks.md", "pages"),
           "python.csv": (AVX512, "python_benchmarks.md", "fields"), "python-many.csv": (AVX512, "python_benchmarks.md", "many"),
           "fly_recompute.csv": (AVX512, "thesis.md", "fly recomputed"), "fly_large.csv": (AVX512, "thesis.md", "fly among millions")}
 

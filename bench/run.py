@@ -4,7 +4,7 @@
 
   run.py                 the named workloads of workloads.json
   run.py --peers         the same, alternating with OpenVDB and Embree
-  run.py scaling         time against triangles and samples, with plots
+  run.py scaling         time against triangles and samples
   run.py thesis          the tables of the 2008 thesis, rebuilt
   run.py skip            skip rules before the thesis's Algorithm 1, with the one that it wished for
   run.py pairs           batches of collision queries with 1 and 2 threads; with --peers, queries beside FCL and Coal

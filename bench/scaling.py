@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the time grows with triangles and with samples: tables, CSV files and plots."""
+"""How the time grows with triangles and with samples: tables and CSV files; bench/plots.py draws them."""
 
 import math
-import sys
 
 from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
 
@@ -40,31 +39,6 @@ def table(series, rows):
     return markdown(shown)
 
 
-def plot(series, rows, path):
-    try:
-        import matplotlib
-    except ImportError:
-        print("bench: no plots without matplotlib (Debian: python3-matplotlib)", file=sys.stderr)
-        return
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    x = [row[series["axis"]] for row in rows]
-    figure, axes = pyplot.subplots(figsize=(6, 4), dpi=120)
-    axes.loglog(x, [row["warm_s"] for row in rows], "o-", label="warm")
-    axes.loglog(x, [row["cold_s"] for row in rows], "s--", alpha=0.6, label="first call")
-    last = rows[-1]
-    axes.loglog(x, [last["warm_s"] * n / x[-1] for n in x], ":", color="grey", label="linear")
-    axes.set(xlabel=series["axis"], ylabel="seconds")
-    axes.set_title(series["what"], fontsize="medium")
-    axes.grid(True, which="major", alpha=0.3)
-    axes.legend()
-    figure.tight_layout()
-    figure.savefig(path, metadata={"Software": None})
-    pyplot.close(figure)
-    print(f"wrote {path}", file=sys.stderr)
-
-
 def run(drivers, workloads, only, rounds, build):
     """Measures every series (or those whose name holds `only`), prints tables, writes CSV files and plots."""
     header, folder = machine_lines(build), results_folder()
@@ -75,5 +49,4 @@ def run(drivers, workloads, only, rounds, build):
         print(f"\n### {series['what']}\n\n{table(series, rows)}")
         if not only:
             write_csv(folder / f"scaling-{series['name']}.csv", [series["what"], *header], rows)
-            plot(series, rows, folder / f"scaling-{series['name']}.png")
     print("\n" + "\n".join(header))

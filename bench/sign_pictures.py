@@ -13,13 +13,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-import matplotlib
 import numpy as np
+from matplotlib.collections import LineCollection
+from PIL import Image
+from plot_style import FAINT, INK, RED, pyplot
 
-matplotlib.use("Agg")
-from matplotlib import pyplot  # noqa: E402
-from matplotlib.collections import LineCollection  # noqa: E402
-from PIL import Image  # noqa: E402
+plt = pyplot()
 
 # Of glmark2's bunny: a hole in its back, a chest that is turned around, and a box with some air around it.
 HOLE = (0.45, 0.35, 0), 0.33
@@ -102,24 +101,25 @@ def methods(standoff, source, folder):
     faces, flipped = damaged(vertices, faces)
     mesh = folder / "damaged.obj"
     write_obj(mesh, vertices, faces)
-    figure, axes = pyplot.subplots(2, 4, figsize=(9.6, 5.2))
+    figure, axes = plt.subplots(2, 4, figsize=(9.6, 5.2))
     segments, of = section(vertices, faces)
     first = axes.flat[0]
-    first.set_title("the mesh, cut (red: flipped)", fontsize=9)
-    first.add_collection(LineCollection(segments[~flipped[of]], colors="black", linewidths=1.2))
-    first.add_collection(LineCollection(segments[flipped[of]], colors="red", linewidths=2))
+    first.set_title("the mesh, cut (red: flipped)", fontsize=10, pad=5)
+    first.add_collection(LineCollection(segments[~flipped[of]], colors=INK, linewidths=1.2))
+    first.add_collection(LineCollection(segments[flipped[of]], colors=RED, linewidths=2))
     first.set(xlim=(BOX[0], BOX[3]), ylim=(BOX[1], BOX[4]), aspect="equal")
     for ax, (title, options) in zip(axes.flat[1:], PANELS):
         found = slice_of(standoff, mesh, options, folder)
-        ax.set_title(title, fontsize=9)
+        ax.set_title(title, fontsize=10, pad=5)
         if isinstance(found, str):
             print(found, file=sys.stderr)
-            ax.text(0.5, 0.5, "refused:\nthe mesh is not closed", ha="center", va="center", transform=ax.transAxes)
+            ax.text(0.5, 0.5, "refused:\nthe mesh is not closed", color=FAINT, ha="center", va="center", transform=ax.transAxes)
             ax.set_aspect("equal")
         else:
             ax.imshow(found, interpolation="antialiased")
     for ax in axes.flat:
         ax.set(xticks=[], yticks=[])
+        ax.spines[:].set_visible(False)
     figure.tight_layout()
     figure.savefig(folder / "methods.png", dpi=100)
     return folder / "methods.png"
@@ -143,12 +143,12 @@ def surfaces(standoff, folder):
         subprocess.run([standoff, "compute", str(folder / "damaged.obj"), "--sign", *options, FIELD[0], "-r", "128", "-t", "0.3", "-f", "-q", "-o", str(field)], check=True)
         subprocess.run([standoff, "surface", str(field), "-f", "-q", "-o", str(surface)], check=True)
         panels.append((title, surface))
-    figure, axes = pyplot.subplots(1, 4, figsize=(12, 3.3))
+    figure, axes = plt.subplots(1, 4, figsize=(12, 3.5))
     for ax, (title, mesh) in zip(axes, panels):
         picture = mesh.with_suffix(".png")
-        subprocess.run([standoff, "render", str(mesh), "--up", "y", "--camera", "-25,42", "--size", "600x600", "-q", "-f", "-o", str(picture)], check=True)
+        subprocess.run([standoff, "render", str(mesh), "--up", "y", "--camera", "-25,42,1.05", "--size", "600x600", "-q", "-f", "-o", str(picture)], check=True)
         ax.imshow(np.asarray(Image.open(picture).convert("RGB")), interpolation="antialiased")
-        ax.set_title(title, fontsize=10)
+        ax.set_title(title, fontsize=11, pad=4)
         ax.axis("off")
     figure.tight_layout()
     figure.savefig(folder / "surfaces.png", dpi=100)

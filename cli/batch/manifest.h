@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The manifest of a batch: a line of JSON for each mesh, written once its output is complete (docs/batch.md).
+// The manifest of a batch: a line of JSON for each mesh, written once its output is complete (docs/batch_files.md).
 #pragma once
 
 #include <cstdint>

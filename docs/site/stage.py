@@ -102,7 +102,10 @@ def notebook(text: str, here: str, known: dict[str, str]) -> str:
 
 
 def start_page() -> str:
-    return (SITE / "index.md").read_text() + (ROOT / "README.md").read_text().partition("## Conventions")[0]
+    """What is on the start page: with the parts of the README that it includes."""
+    readme = (ROOT / "README.md").read_text()
+    parts = [readme.partition("## Start")[0], readme.partition("## Promises")[2].partition("## Conventions")[0]]
+    return "\n".join([(SITE / "index.md").read_text(), *parts])
 
 
 def other_pages(index: str, known: dict[str, str]) -> list[str]:
@@ -151,7 +154,7 @@ def stage(folder: Path) -> None:
     for path in PARTS:
         (folder / "parts" / path.replace("/", "_")).write_text(with_links((ROOT / path).read_text(), path, known))
     for path in (ROOT / "docs").glob("*/*"):
-        if path.suffix in (".png", ".svg", ".jpg") and path.parent.name in ("images", "notebooks"):
+        if path.suffix in (".png", ".svg", ".jpg", ".webp") and path.parent.name in ("images", "notebooks"):
             target = folder / path.relative_to(ROOT / "docs")
             target.parent.mkdir(exist_ok=True)
             shutil.copy2(path, target)

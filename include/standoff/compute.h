@@ -75,7 +75,7 @@ struct ComputeOptions {
   Method method = Method::tiles;
   SkipRule skip = {};
   /// By default values inside are negative, if the mesh has an inside. The memory limit counts what closed meshes need,
-  /// and diagnosing others; not the holes of open meshes, floods and pseudonormals (docs/sign.md, "Limits").
+  /// and diagnosing others; not the holes of open meshes, floods and pseudonormals (docs/sign_methods.md, "Limits").
   SignOptions sign = {};
   /// Of WindowComputation::decision(), for this mesh and such a sign: then nothing of it is decided again, and the
   /// values are the same. Empty: it is decided. Errors: usage (it is for another mesh, sign or grid), input (damaged).

@@ -27,7 +27,7 @@ struct Provenance {
   std::string method;           ///< "tiles", "thesis", or empty if unknown
   std::uint64_t mesh_hash = 0;  ///< content_hash of the mesh, 0 if unknown
   std::string version;          ///< version of standoff that computed it
-  std::string sign;             ///< how the sign was decided (docs/sign.md): "winding odd inverted"; empty: no sign
+  std::string sign;             ///< how it got its sign (docs/sign_methods.md): "winding odd inverted"; empty: no sign
   std::optional<Axis> up = {};  ///< the axis of the mesh that points up in pictures; none if unknown
 };
 

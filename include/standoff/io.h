@@ -79,7 +79,7 @@ STANDOFF_API MeshReadResult read_mesh(const std::filesystem::path& path, const M
 struct MeshWriteOptions {
   Existing existing = Existing::replace;
   ProgressCallback progress = {};
-  // Of the formats that are written, 3MF alone has a unit and a direction that is up (docs/formats.md).
+  // Of the formats that are written, 3MF alone has a unit and a direction that is up (docs/formats_meshes.md).
   /// Metres per unit of the coordinates, as MeshReadReport has it; 0: unknown, which 3MF takes for millimetres.
   double metres_per_unit = 0;
   /// Whether y is up, as in what the readers make of formats that have such a direction; else z.

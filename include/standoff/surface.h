@@ -51,7 +51,7 @@ struct SurfaceOptions {
 
 struct SurfaceReport {
   std::int64_t triangles = 0, vertices = 0;
-  std::int64_t ambiguous_faces = 0;  ///< faces of cells whose corners can be joined in two ways (docs/surface.md)
+  std::int64_t ambiguous_faces = 0;  ///< faces whose corners can be joined in two ways (docs/surface_methods.md)
   /// Crossed edges with an end whose value is clamped to the thickness: their vertices are less accurate.
   std::int64_t clamped = 0;
   std::int64_t capped = 0;      ///< crossed edges that leave the grid: the surface is closed there by a flat cap

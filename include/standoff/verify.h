@@ -32,7 +32,7 @@ struct SampleCheck {
   double allowed = 0;   ///< the bound that compute() guarantees there
 };
 
-/// The check of a field's sign (docs/sign.md, "Check").
+/// The check of a field's sign (docs/sign_methods.md, "Check").
 struct SignCheck {
   std::string method;         ///< how the sign was decided, by the field's provenance; empty: it does not say
   bool can_check = false;     ///< whether verify can check any sign that was decided that way

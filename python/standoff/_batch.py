@@ -24,7 +24,7 @@ class BatchResult:
     folder: str
     """Where results and manifest are."""
     manifest: str
-    """The path of the manifest: a line of JSON for each mesh (docs/batch.md, "Rows")."""
+    """The path of the manifest: a line of JSON for each mesh (docs/batch_files.md, "Rows")."""
     summary: dict[str, Any]
     """What this run did: ``counts`` of the rows that it wrote by status, ``skipped`` meshes of earlier runs, ``seconds``."""
 
@@ -85,7 +85,7 @@ def batch(
         normalize: ``"unit-cube"`` moves each mesh's box to the origin and scales its longest side to 1; ``"unit-sphere"``
             scales the farthest corner's distance to 1.
         format: of the fields' files, an extension of `DistanceField.save`; or ``"array"``: one Zarr array of all fields,
-            ``out/fields.zarr``, a row for each mesh (docs/batch.md). It takes `shape`.
+            ``out/fields.zarr``, a row for each mesh (docs/batch_files.md). It takes `shape`.
         points: write so many points with exact distances in place of fields: training data.
         near: the share of points near the surface, by default 0.8; the others are uniform in the grid's box.
         sigma: two deviations of the offsets from the surface, as shares of the box's longest side.

@@ -26,6 +26,7 @@ def fences(page: Path) -> list[tuple[int, str]]:
     ("page", "least_blocks", "least_prints"),
     [
         ("docs/python.md", 10, 6),
+        ("docs/python_arrays.md", 4, 0),
         ("docs/scale.md", 1, 3),
         ("docs/start.md", 1, 1),
         ("docs/howto_dataset.md", 1, 2),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of many meshes as one Zarr array of version 3, a row for each (docs/batch.md).
+// The fields of many meshes as one Zarr array of version 3, a row for each (docs/batch_files.md).
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rigid motion of the probe in the target's frame, and the steps and bounds of conservative advancement along it.
 // The CPU and GPUs share the spheres; the paths of triangles are for GPUs, as CPUs advance pairs of boxes instead
-// (moving_nodes.h). docs/sweep.md proves the bounds. This work is based on: Mirtich, Impulse-based
+// (moving_nodes.h). docs/collision_methods.md proves the bounds. This work is based on: Mirtich, Impulse-based
 // Dynamic Simulation of Rigid Body Systems (1996); Tang, Kim, Manocha, C2A: Controlled Conservative Advancement for
 // Continuous Collision Detection of Polygonal Models (2009).
 //

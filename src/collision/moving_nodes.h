@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of BVH nodes, one of a resting body and one of a moving one, and the times until which they stay apart
-// (docs/sweep.md). It is all in double precision, so that gaps far smaller than the bodies are seen.
+// (docs/collision_methods.md). It is all in double precision, so that gaps far smaller than the bodies are seen.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What turns in a tight fit never touches, however long it turns: a rotation keeps each point's distance from the axis,
 // its place along the axis, and its distance from any point of the axis. Where these differ for two parts of the
-// bodies, the parts stay apart during the whole motion, and need not be followed step by step (docs/sweep.md).
+// bodies, the parts stay apart during the whole motion, and need not be followed step by step
+// (docs/collision_methods.md).
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps along cubic curves (docs/sweep.md). A piece of a curve is near its chord: with times as they are, the two are
-// apart by at most max |c''| h^2 / 8 over a piece of duration h. So a body on the chord is the body on the curve, moved
-// by no more than that, and a sweep along the chord that keeps a larger distance certifies the curve.
+// Sweeps along cubic curves (docs/collision_methods.md). A piece of a curve is near its chord: with times as they are,
+// the two are apart by at most max |c''| h^2 / 8 over a piece of duration h. So a body on the chord is the body on the
+// curve, moved by no more than that, and a sweep along the chord that keeps a larger distance certifies the curve.
 #include <algorithm>
 #include <array>
 #include <cmath>

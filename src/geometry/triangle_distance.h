@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The distance of a triangle from the origin, without branches: exact queries at points compare triangles by it
-// (docs/points.md). Corners are relative to the query point, so a mesh far from the origin loses nothing. Scalars, wide
-// types and the GPU share this source and its roundings, and so get the same bits.
+// (docs/points_methods.md). Corners are relative to the query point, so a mesh far from the origin loses nothing.
+// Scalars, wide types and the GPU share this source and its roundings, and so get the same bits.
 //
 // The distance is the least of four: from each edge, and from the face if the origin's projection lies inside. All four
 // points are points of the triangle, up to rounding, so a distance is never too small; and the edges keep it right if

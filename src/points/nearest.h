@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nearest triangle of each of many points (docs/points.md).
+// The nearest triangle of each of many points (docs/points_methods.md).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cells of a grid: the numbers of their corners, edges and faces, all cases of a surface in a cell of 8 samples
-// (docs/surface.md, "Cells"), and loops over the values, cells and edges of all blocks.
+// (docs/surface_methods.md, "Cells"), and loops over the values, cells and edges of all blocks.
 //
 // A corner is inside or outside. Each edge with one end inside has one vertex. On a face with two such edges, a segment
 // joins their vertices. On a face with four, the inside corners lie across from each other, and the face is ambiguous:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two methods that make surfaces from blocks (docs/surface.md): marching cubes makes the triangles of each cell,
-// with vertices on the edges of the grid; dual contouring makes vertices in the cells and polygons around the crossed
-// edges. Dual contouring takes the crossing of an edge, and the normal there, from the field or from a mesh. And a
-// search for the parts of a mesh that its surface does not show, because no sample is inside them.
+// The two methods that make surfaces from blocks (docs/surface_methods.md): marching cubes makes the triangles of each
+// cell, with vertices on the edges of the grid; dual contouring makes vertices in the cells and polygons around the
+// crossed edges. Dual contouring takes the crossing of an edge, and the normal there, from the field or from a mesh.
+// And a search for the parts of a mesh that its surface does not show, because no sample is inside them.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of samples that lie exactly on the surface, and their signs (docs/sign.md, "Guarantees").
+// Values of samples that lie exactly on the surface, and their signs (docs/sign_methods.md, "Guarantees").
 #include <gtest/gtest.h>
 
 #include <array>

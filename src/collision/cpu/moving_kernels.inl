@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long pairs of boxes stay apart when one of the two moves, and which pairs of triangles may meet, in double
-// precision. docs/sweep.md derives the bounds. No operations are fused, so all sets give the same bits.
+// precision. docs/collision_methods.md derives the bounds. No operations are fused, so all sets give the same bits.
 #pragma once
 
 #include <cstdint>

@@ -45,7 +45,7 @@ class PointReader {
 };
 
 /// Opens a file of points. Its content decides the format; "-" is text from the standard input. The names of formats
-/// are in docs/formats.md. Errors: input.
+/// are in docs/formats_points.md. Errors: input.
 std::unique_ptr<PointReader> open_points(const std::string& name, InvalidPoints invalid);
 
 /// Says whether a point is valid. If not, it becomes NaN where invalid points are marked; where they are rejected, it
