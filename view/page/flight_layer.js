@@ -165,9 +165,9 @@ export class FlightLayer {
     this.drawBodies(frame, this.fly, false);
     gl.enable(gl.BLEND);
     if (this.pathsShown && this.segmentCount) {
-      const {canvas} = gl;
-      this.pathProgram.use({segments: this.segments, camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
-        width: 1.7 * Math.min(2, devicePixelRatio || 1), markColor: this.look.ink});
+      const {clientWidth, clientHeight} = gl.canvas;
+      this.pathProgram.use({segments: this.segments, camera: frame.uniforms.camera, pixels: [clientWidth / 2, clientHeight / 2],
+        width: 1.7, markColor: this.look.ink});
       gl.bindVertexArray(this.noArray);
       gl.drawArrays(gl.TRIANGLES, 0, 6 * this.segmentCount);
     }

@@ -73,6 +73,18 @@ void main() {
   pixel = vec4(lit(base, n, view, open) * alpha, alpha);
 }`;
 
+// Of a stand-in made of cells: each triangle is about as small as a pixel, and what normals would add is not seen.
+const quickFragmentOf = ({cut}) => `${kLightShader}${cut ? kCutShader : ''}
+in vec3 at;
+uniform vec3 color;
+out vec4 pixel;
+void main() {
+  ${cut ? 'if (cut_away(at)) discard;' : ''}
+  vec3 n = normalize(cross(dFdx(at), dFdy(at)));
+  float lamp = dot(n, view_of(at)) < 0.0 ? -dot(n, keyLight) : dot(n, keyLight);
+  pixel = vec4(color * (0.45 + 0.64 * max(lamp, 0.0)), 1.0);
+}`;
+
 // One colour.
 const plainFragmentOf = ({cut}) => `${cut ? kCutShader : ''}
 in vec3 at;
@@ -88,6 +100,7 @@ const kPiece = 400000;
 // A mesh of no more triangles than this is always drawn whole.
 const kFew = 70000;
 const kFewest = 20000;    // of a stand-in: with less nothing would be told apart
+const kBegin = 128;       // cells along the longest side: none is larger than some pixels
 const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
 
 export class MeshLayer {
@@ -95,7 +108,8 @@ export class MeshLayer {
     this.gl = gl;
     this.programs = new Map();  // by the text of their second half
     this.meshes = new Map();
-    this.budget = kFew;  // triangles and lines of a stand-in
+    gl.vertexAttrib4f(1, 0, 0, 0, 0);  // without normals surfaces are flat
+    this.budget = 150000;  // triangles and lines of a stand-in
   }
 
   set(id, data) {
@@ -117,7 +131,7 @@ export class MeshLayer {
     mesh.arrays.push(mesh.whole);
     this.meshes.set(id, mesh);
     if (data.triangles <= kFew && !data.proxy) return;
-    Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(64)});
+    Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(kBegin)});
     this.build(mesh);
     if (data.proxy) return;
     while (mesh.cells > 0 && mesh.size > 1.5 * this.budget) {
@@ -128,16 +142,19 @@ export class MeshLayer {
 
   // The stand-in of a mesh, anew.
   build(mesh) {
-    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, mesh.normals, kCells[mesh.cells]);
+    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, kCells[mesh.cells]);
     const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
     for (const buffer of mesh.standIn?.buffers ?? []) gl.deleteBuffer(buffer);
     for (const array of mesh.standIn?.arrays ?? []) gl.deleteVertexArray(array);
-    const buffers = [makeBuffer(gl, made.lattice), makeBuffer(gl, made.normals)];
-    const attributes = [[0, buffers[0], 3, type], [1, buffers[1], 4, gl.SHORT, true]];
+    const buffers = [makeBuffer(gl, made.lattice)], attributes = [[0, buffers[0], 3, type]];
+    if (made.normals) {
+      buffers.push(makeBuffer(gl, made.normals));
+      attributes.push([1, buffers[1], 4, gl.SHORT, true]);
+    }
     gl.bindVertexArray(null);
-    for (const indices of [made.triangles, made.lines]) buffers.push(makeBuffer(gl, indices, gl.ELEMENT_ARRAY_BUFFER));
-    const arrays = [2, 3].map(n => makeArray(gl, attributes, buffers[n]));
-    mesh.standIn = {buffers, arrays, triangles: made.triangles.length / 3, lines: made.lines.length / 2};
+    const indices = [made.triangles, made.lines].map(list => makeBuffer(gl, list, gl.ELEMENT_ARRAY_BUFFER));
+    const arrays = indices.map(list => makeArray(gl, attributes, list));
+    mesh.standIn = {made, arrays, buffers: [...buffers, ...indices], triangles: made.triangles.length / 3, lines: made.lines.length / 2};
     mesh.size = mesh.standIn.triangles + mesh.standIn.lines;
   }
 
@@ -196,7 +213,8 @@ export class MeshLayer {
         gl.depthFunc(gl.LEQUAL);
         gl.enable(gl.BLEND);
       }
-      this.program(fragmentOf({field: look.colored || occluded, cut})).use(values);
+      const quick = few && !mesh.data.proxy && opacity === 1 && !look.colored;
+      this.program(quick ? quickFragmentOf({cut}) : fragmentOf({field: look.colored || occluded, cut})).use(values);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
       gl.depthFunc(gl.LESS);
       if (few?.lines) {
