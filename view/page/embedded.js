@@ -5,8 +5,6 @@ import {fromBase64, unpacked} from './blob.js';
 /// By name; others add theirs.
 export const sources = {
   async embedded(viewer) {
-    // The data stand behind the script: while they are read, the graphics begin.
-    if (document.readyState === 'loading') await new Promise(done => document.addEventListener('DOMContentLoaded', done));
     const parts = [...document.querySelectorAll('script.data')];
     const blobs = await Promise.all(parts.map(part => unpacked(fromBase64(part.textContent))));
     for (const part of parts) part.remove();  // the text takes more memory than what it became

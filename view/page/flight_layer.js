@@ -125,7 +125,7 @@ export class FlightLayer {
 
   shape(data) {
     const {gl} = this, type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
-    const positions = makeBuffer(gl, data.lattice), normals = makeBuffer(gl, normalsOf(data.lattice, data.corners, data.vertices));
+    const positions = makeBuffer(gl, data.lattice), normals = makeBuffer(gl, normalsOf(data));
     const array = indices => {
       const made = gl.createVertexArray();
       gl.bindVertexArray(made);

@@ -121,17 +121,9 @@ export class MeshLayer {
       this.meshes.delete(id);
     }
     if (!data) return;
-    const positions = makeBuffer(gl, data.lattice);
-    const normalNumbers = normalsOf(data.lattice, data.corners, data.vertices), normals = makeBuffer(gl, normalNumbers);
-    const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
-    const attributes = [[0, positions, 3, type], [1, normals, 4, gl.SHORT, true]];
-    gl.bindVertexArray(null);
-    const whole = makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER);
-    const mesh = {data, attributes, buffers: [positions, normals, whole], whole: makeArray(gl, attributes, whole), arrays: []};
-    mesh.arrays.push(mesh.whole);
+    const mesh = {data, cells: kCells.indexOf(kBegin), buffers: [], arrays: []};
     this.meshes.set(id, mesh);
     if (data.triangles <= kFew && !data.proxy) return;
-    Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(kBegin)});
     this.build(mesh);
     if (data.proxy) return;
     while (mesh.cells > 0 && mesh.size > 1.5 * this.budget) {
@@ -140,18 +132,29 @@ export class MeshLayer {
     }
   }
 
+  // What draws the whole mesh, made when that is first drawn: a stand-in is soon there.
+  whole(mesh) {
+    const {gl} = this, {data} = mesh;
+    if (mesh.whole) return mesh.whole;
+    gl.bindVertexArray(null);
+    mesh.buffers = [makeBuffer(gl, data.lattice), makeBuffer(gl, normalsOf(data)), makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER)];
+    mesh.attributes = this.attributes(data, ...mesh.buffers);
+    mesh.arrays.push(mesh.whole = makeArray(gl, mesh.attributes, mesh.buffers[2]));
+    return mesh.whole;
+  }
+  attributes({bits}, places, normals) {
+    const {gl} = this, there = [[0, places, 3, bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT]];
+    return normals ? [...there, [1, normals, 4, gl.SHORT, true]] : there;
+  }
+
   // The stand-in of a mesh, anew.
   build(mesh) {
-    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, kCells[mesh.cells]);
-    const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
+    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data) : standIn(data, kCells[mesh.cells]);
     for (const buffer of mesh.standIn?.buffers ?? []) gl.deleteBuffer(buffer);
     for (const array of mesh.standIn?.arrays ?? []) gl.deleteVertexArray(array);
-    const buffers = [makeBuffer(gl, made.lattice)], attributes = [[0, buffers[0], 3, type]];
-    if (made.normals) {
-      buffers.push(makeBuffer(gl, made.normals));
-      attributes.push([1, buffers[1], 4, gl.SHORT, true]);
-    }
     gl.bindVertexArray(null);
+    const buffers = [made.lattice, ...made.normals ? [made.normals] : []].map(numbers => makeBuffer(gl, numbers));
+    const attributes = this.attributes(data, ...buffers);
     const indices = [made.triangles, made.lines].map(list => makeBuffer(gl, list, gl.ELEMENT_ARRAY_BUFFER));
     const arrays = indices.map(list => makeArray(gl, attributes, list));
     mesh.standIn = {made, arrays, buffers: [...buffers, ...indices], triangles: made.triangles.length / 3, lines: made.lines.length / 2};
@@ -192,7 +195,7 @@ export class MeshLayer {
     const first = few || piece < 0 ? 0 : 3 * kPiece * piece, most = 3 * (few ?? mesh.data).triangles;
     const count = piece < 0 ? most - first : Math.min(3 * kPiece, most - first);
     if (count <= 0 && !few) return;
-    gl.bindVertexArray(few ? few.arrays[0] : mesh.whole);
+    gl.bindVertexArray(few ? few.arrays[0] : this.whole(mesh));
     gl.enable(gl.POLYGON_OFFSET_FILL);
     // Room for edges over it. Towards a silhouette the slope grows without bound, and what is behind would come forward.
     gl.polygonOffset(look.edges === 'none' ? 0 : 1, 1);
@@ -235,7 +238,7 @@ export class MeshLayer {
     const lines = this.program(plainFragmentOf({cut: true}));
     if (mesh.edgeList !== edges) {
       mesh.edgeList = edges;
-      gl.bindVertexArray(null);
+      this.whole(mesh);
       const buffer = makeBuffer(gl, edges, gl.ELEMENT_ARRAY_BUFFER);
       mesh.buffers.push(buffer);
       mesh.edges = makeArray(gl, mesh.attributes, buffer);

@@ -4,7 +4,7 @@
 import {makeArray, makeProgram} from './gl.js';
 
 const kRest = 160;            // milliseconds without a change after which the picture is at rest
-const kQuick = 45, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
+const kQuick = 50, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
 const kCoarsest = 0.4, kFirst = 0.5;  // the first picture is soon there, before anyone knows how fast it is drawn
 const kFrames = 6;            // moving frames at the coarsest, or at the finest, after which fewer triangles are drawn, or more
 const kPasses = 10;
@@ -73,14 +73,10 @@ export class Renderer {
   }
 
   measured(now) {
-    if (this.whole && !this.shown) {
-      performance.mark('first picture');
-      this.shown = true;
-    }
     this.gl.deleteSync(this.fence);
     this.fence = null;
     const took = now - this.began;
-    if (this.kind === 'moving') {
+    if (this.kind === 'moving' && this.shown) {
       this.frames.push(took);
       if (this.frames.length > 30) this.frames.shift();
       this.slow = took > kQuick && this.coarse === kCoarsest ? this.slow + 1 : 0;
@@ -90,6 +86,9 @@ export class Renderer {
     } else {
       this.passTook += took;
     }
+    if (!this.whole || this.shown) return;
+    performance.mark('first picture');
+    this.shown = true;  // before, programs were made: that says nothing of frames to come
   }
 
   begin(now, kind) {

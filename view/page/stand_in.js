@@ -2,6 +2,7 @@
 // Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that share a cell of a lattice become
 // one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line stays, as a line: beams and wires
 // thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
+import {normalsOf} from './normals.js';
 
 /// Cells along the longest side, the coarsest first.
 export const kCells = [32, 48, 64, 96, 128, 192, 256, 384, 512];
@@ -117,17 +118,15 @@ export function standIn({lattice, corners, vertices, bits}, cells) {
   return {lattice: places, vertices: count, triangles: triangles.all, lines: Uint32Array.from(alone)};
 }
 
-/// The same of the fewer triangles that a mesh brings along, whose vertices get a list of their own: among all they would
-/// be far apart in memory.
-export function partOf({lattice, proxyCorners}, normals) {
+/// The same of the fewer triangles that a mesh brings along, with normals as normalsOf() makes them. Their vertices get a list
+/// of their own: among all they would be far apart in memory.
+export function partOf({lattice, proxyCorners}) {
   const number = new Map(), triangles = proxyCorners.map(v => {
     if (!number.has(v)) number.set(v, number.size);
     return number.get(v);
   });
-  const places = new lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
-  for (const [v, n] of number) {
-    places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
-    few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
-  }
-  return {lattice: places, normals: few, vertices: number.size, triangles, lines: new Uint32Array(0)};
+  const places = new lattice.constructor(3 * number.size);
+  for (const [v, n] of number) places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
+  const normals = normalsOf({lattice: places, corners: triangles, vertices: number.size});
+  return {lattice: places, normals, vertices: number.size, triangles, lines: new Uint32Array(0)};
 }
