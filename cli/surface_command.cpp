@@ -106,7 +106,7 @@ struct SurfaceCommand {
   void expect_surface(const SurfaceResult& found, const std::string& what_to_do) const;
   void set_levels(double spacing);
   SurfaceSubject subject;
-  MeshReadReport read;  // of the mesh, if it is one
+  MeshReadReport read;  // of the mesh; of a field the axis that points up alone
 };
 
 // "0.5", "-0.5" or "-2s".
@@ -168,6 +168,7 @@ SurfaceResult SurfaceCommand::of_field() {
   if (slices) return of_slices(*slices);
   const DistanceField& field = file.field;
   subject = {"field", field.grid()};
+  read.up = field.provenance().up.value_or(Axis::z);
   set_levels(field.grid().max_spacing());
   const Cancellable cancellable;
   options.progress = console.progress();
@@ -178,6 +179,7 @@ SurfaceResult SurfaceCommand::of_field() {
 SurfaceResult SurfaceCommand::of_slices(const FieldSlices& slices) {
   const Grid& g = slices.grid();
   subject = {"field", g};
+  read.up = slices.provenance().up.value_or(Axis::z);
   set_levels(g.max_spacing());
   const Cancellable cancellable;
   options.progress = console.progress();
@@ -232,9 +234,11 @@ void SurfaceCommand::run() {
                               : ": no sample of the grid is inside, by the sign " +
                                     std::string(name_of(found.report.sign.method)) +
                                     "; take more samples (-r), another --sign, or a larger --at"));
+  const MeshWriteOptions writing = input.write_options(read, output.existing());
   with_spinner(console, "writing " + output.path().string(),
-               [&] { write_mesh(output.path(), found.mesh, input.write_options(read, output.existing())); });
+               [&] { write_mesh(output.path(), found.mesh, writing); });
   say(found, output.path().string(), console);
+  say_taken_unit(console, output.path(), writing);
   if (console.json()) print(surface_json(input.name(), subject, options, found, output.path()), output.path());
 }
 

@@ -118,6 +118,7 @@ GridChoice ViewCommand::choose_grid(const Mesh& mesh) const {
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
     throw Error(ErrorCode::input, files.front() + ": a coordinate of " + number(far) +
                                       ", too far out for a grid; repair the mesh, or show it alone with --no-field");
+  if (const std::string doubt = grid.doubt_of_thickness(box); !doubt.empty()) console.warn(doubt);
   return grid.choose(box);
 }
 
@@ -171,12 +172,11 @@ void ViewCommand::run() {
     output.check({{"html", "a page", false, true}});
     for (const std::string& name : files) output.check_differs(name);
   }
+  if (page.title.empty())
+    for (const std::string& name : files) page.title += (page.title.empty() ? "" : ", ") + shown_name(name);
   Subject subject = read();
   if (!output.given()) return serve(std::move(subject));
-  if (subject.fields.empty() && !no_field) {
-    if (page.title.empty()) page.title = subject.meshes.front().name;
-    compute_field(subject);
-  }
+  if (subject.fields.empty() && !no_field) compute_field(subject);
 
   const std::vector<PageMesh> meshes = subject.page_meshes();
   const std::vector<PageField> fields = subject.page_fields();

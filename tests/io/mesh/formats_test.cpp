@@ -122,7 +122,7 @@ TEST(MeshFormats, GlbKeepsFloats) {
 TEST(MeshFormats, ThreemfKeepsEveryBitInMetres) {
   const TempFolder folder;
   const Mesh mesh = blob(true);
-  write_mesh(folder / "mesh.3mf", mesh, {.metres_per_unit = 1, .y_up = true});
+  write_mesh(folder / "mesh.3mf", mesh, {.metres_per_unit = 1, .up = Axis::y});
   EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.vertices, mesh.vertices);
   EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.triangles, mesh.triangles);
   write_mesh(folder / "unknown.3mf", mesh);
