@@ -11,7 +11,6 @@
 #include "cli/json.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/error.h"
@@ -170,9 +169,7 @@ SurfaceResult SurfaceCommand::of_field() {
   subject = {"field", field.grid()};
   read.up = field.provenance().up.value_or(Axis::z);
   set_levels(field.grid().max_spacing());
-  const Cancellable cancellable;
-  options.progress = console.progress();
-  return surface(field, options);
+  return with_progress(console, options.progress, [&] { return surface(field, options); });
 }
 
 // Reads no more than some slices at a time, if it can.
@@ -181,12 +178,12 @@ SurfaceResult SurfaceCommand::of_slices(const FieldSlices& slices) {
   subject = {"field", g};
   read.up = slices.provenance().up.value_or(Axis::z);
   set_levels(g.max_spacing());
-  const Cancellable cancellable;
-  options.progress = console.progress();
   const FieldReadOptions reading = field_argument.reading();
-  if (options.wall > 0 || options.method == SurfaceMethod::dual)
-    return surface(slices.read(0, g.size.z, reading), options);
-  return surface(g, slices.thickness(), slices.reader(reading), options, field_argument.slice_samples());
+  return with_progress(console, options.progress, [&] {
+    if (options.wall > 0 || options.method == SurfaceMethod::dual)
+      return surface(slices.read(0, g.size.z, reading), options);
+    return surface(g, slices.thickness(), slices.reader(reading), options, field_argument.slice_samples());
+  });
 }
 
 SurfaceResult SurfaceCommand::of_mesh() {
@@ -208,9 +205,7 @@ SurfaceResult SurfaceCommand::of_mesh() {
   set_levels(spacing);
   options.sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
-  const Cancellable cancellable;
-  options.progress = console.progress();
-  return surface(mesh, subject.grid, options);
+  return with_progress(console, options.progress, [&] { return surface(mesh, subject.grid, options); });
 }
 
 void SurfaceCommand::run() {
@@ -225,8 +220,6 @@ void SurfaceCommand::run() {
   if (!coordinates_given && (output.path().extension() == ".stl" || output.path().extension() == ".glb"))
     options.coordinates = Coordinates::single;
   const SurfaceResult found = is_field ? of_field() : of_mesh();
-  options.progress = nullptr;  // ends the progress bar
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (found.mesh.triangles.empty())
     throw Error(ErrorCode::input,
                 input.name() + ": there is no surface at " + number(options.at) +

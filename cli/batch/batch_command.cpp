@@ -477,10 +477,7 @@ void BatchCommand::run() {
 }  // namespace
 
 void add_batch(CLI::App& program) {
-  auto* verb = add_verb(program, "batch", "fields of many meshes, or points with distances", kBatchExamples);
-  const auto command = std::make_shared<BatchCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<BatchCommand>(program, "batch", "fields of many meshes, or points with distances", kBatchExamples);
 }
 
 }  // namespace standoff::cli

@@ -84,6 +84,9 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.bash("compute", "--sign", "flood", "b"), {"bunny.obj"})
         self.assertEqual(self.bash("compute", "-o", "=", "x.vti", "b"), {"bunny.obj"})
         self.assertEqual(self.bash("compute", "--", "-"), set())
+        Path("home/sub").mkdir(parents=True, exist_ok=True)
+        os.environ["HOME"] = os.path.abspath("home")
+        self.assertEqual(self.bash("compute", "~/su"), {"~/sub"})
 
     def test_bash_offers_names(self):
         self.assertIn("winding", self.bash("compute", "--sign", ""))
@@ -115,6 +118,22 @@ class Completion(unittest.TestCase):
         ran = subprocess.run(["zsh", "-fc", script], check=True, capture_output=True, text=True)
         self.assertEqual((ran.stdout, ran.stderr), ("_standoff\n", ""))
 
+    @needs("zsh")
+    def test_zsh_completes(self):
+        """What zsh offers at a terminal of its own, for a line and a tab."""
+        script = """zmodload zsh/zpty; zpty shell zsh -fiV +Z
+          zpty -w shell $'PROMPT=; stty -echo; autoload -U compinit; compinit -D -u; source ./completion.zsh; print -r READY'
+          zpty -r shell said '*READY*'; zpty -w -n shell $1$'\\t\\C-a: \\C-e; print -r END\\n'; zpty -r shell said $'*END\\r*'
+          print -r -- $said"""
+
+        def becomes(line):
+            return subprocess.run(["zsh", "-fc", script, "zsh", line], capture_output=True, text=True, timeout=60).stdout
+
+        self.assertIn("--sign=flood", becomes("standoff compute --sign=flo"))
+        self.assertIn("--sign flood", becomes("standoff compute --sign flo"))
+        self.assertIn("-- bunny.obj", becomes("standoff compute -- bun"))
+        self.assertNotIn("--resolution", becomes("standoff compute -- --reso"))
+
     @needs("fish")
     def test_fish_completes(self):
         def offered(line):
@@ -129,6 +148,9 @@ class Completion(unittest.TestCase):
         self.assertTrue({"--resolution", "--sign"} <= offered("standoff compute --"))
         self.assertEqual(offered("standoff points bunny.obj p"), {"p.csv", "part.STL"})
         self.assertIn("winding", offered("standoff compute --sign "))
+        self.assertEqual(offered('standoff compute "two w'), {"two words.obj"})
+        Path("subfolder").mkdir(exist_ok=True)
+        self.assertEqual(offered("standoff compute ~/subf"), {"~/subfolder/"})
 
     def test_the_manual_has_every_verb_and_option(self):
         self.assertEqual(run("man", "--list").split(), VERBS)

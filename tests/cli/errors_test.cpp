@@ -303,7 +303,7 @@ TEST_F(Errors, MessagesAreShort) {
   for (const std::vector<std::string>& line :
        {std::vector<std::string>{"info", longest}, {"compute", "box.obj", "-r", longest}, {longest}}) {
     const Ran ran = run(line);
-    EXPECT_LT(ran.err.size(), 6100u);
+    EXPECT_LT(ran.err.size(), 1300u);
     EXPECT_TRUE(ran.says("xxx...xxx")) << ran.err;
   }
   write_bytes(folder / "poses.csv", "1,\x9b\xc3\xa4,3\n");

@@ -102,6 +102,7 @@ const kFew = 70000;
 const kFewest = 20000;    // of a stand-in: with less nothing would be told apart
 const kBegin = 128;       // cells along the longest side: none is larger than some pixels
 const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
+const kHollow = 0.75;     // of a stand-in whose hollows will be shaded: about as bright as it will be
 
 export class MeshLayer {
   constructor(gl) {
@@ -201,7 +202,8 @@ export class MeshLayer {
     gl.polygonOffset(look.edges === 'none' ? 0 : 1, 1);
     const occluded = look.occluded && !frame.moving, cut = frame.cuts;
     for (const body of bodies ?? [{}]) {
-      const opacity = body.opacity ?? look.opacity, color = body.color ?? look.color;
+      const opacity = body.opacity ?? look.opacity, light = few && look.occluded ? kHollow : 1;
+      const color = (body.color ?? look.color).map(v => light * v);
       const values = {
         ...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
         meshStep: mesh.data.step * frame.scale, color, backColor: few ? color : look.backColor,
