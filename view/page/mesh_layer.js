@@ -100,7 +100,7 @@ const kPiece = 400000;
 // A mesh of no more triangles than this is always drawn whole.
 const kFew = 70000;
 const kFewest = 20000;    // of a stand-in: with less nothing would be told apart
-const kBegin = 128;       // cells along the longest side: none is larger than some pixels
+const kBegin = 96;        // cells along the longest side: none is larger than some pixels
 const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
 const kHollow = 0.75;     // of a stand-in whose hollows will be shaded: about as bright as it will be
 
