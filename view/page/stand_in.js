@@ -4,7 +4,7 @@
 // thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
 import {normalsOf} from './normals.js';
 
-/// Cells along the longest side, the coarsest first.
+/// Cells along the longest side, the coarsest first; of as many cubes as there are cells.
 export const kCells = [32, 48, 64, 96, 128, 192, 256, 384, 512];
 
 // A set of rows of whole numbers, which keeps them in the order of their coming.
@@ -47,10 +47,10 @@ class Rows {
   get all() { return this.rows.slice(0, this.width * this.count); }
 }
 
-// For each vertex the number of its cell, counted by first appearance; and how many there are. The outermost cells are cut
-// in half, so that the mesh's own corners move least.
+// For each vertex the number of its cell, counted by first appearance; and how many there are. Cells are around the points of
+// a body-centred lattice: of all lattices its cells reach least far for what they hold. Points of it are the mesh's corners.
 function clustersOf(lattice, vertices, most, cells) {
-  const share = cells / (most + 1), cluster = new Uint32Array(vertices);
+  const share = cells / 1.26 / (most + 1), side = Math.ceil(cells / 1.26) + 1, cluster = new Uint32Array(vertices);
   let table = new Int32Array(1 << 14).fill(-1), keys = new Int32Array(1 << 13), count = 0;
   const find = key => {
     let at = Math.imul(key, 0x9e3779b1) >>> 0;
@@ -58,8 +58,10 @@ function clustersOf(lattice, vertices, most, cells) {
     return at;
   };
   for (let n = 0, last = -1; n < vertices; ++n) {
-    const x = Math.round(lattice[3 * n] * share), y = Math.round(lattice[3 * n + 1] * share), z = Math.round(lattice[3 * n + 2] * share);
-    const key = x + (cells + 1) * (y + (cells + 1) * z);
+    const x = lattice[3 * n] * share, y = lattice[3 * n + 1] * share, z = lattice[3 * n + 2] * share;
+    const a = Math.round(x), b = Math.round(y), c = Math.round(z), i = Math.floor(x), j = Math.floor(y), k = Math.floor(z);
+    const corner = (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2, middle = (x - i - 0.5) ** 2 + (y - j - 0.5) ** 2 + (z - k - 0.5) ** 2;
+    const key = corner <= middle ? 2 * (a + side * (b + side * c)) : 2 * (i + side * (j + side * k)) + 1;
     if (key === last) {  // as of most vertices
       cluster[n] = cluster[n - 1];
       continue;
