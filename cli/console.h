@@ -85,8 +85,8 @@ class Spinner {
   std::thread thread_;
 };
 
-/// Returns the result of work that tells `told` of its progress and can be interrupted, and meanwhile shows a bar. Errors:
-/// interrupted.
+/// Returns the result of work that tells `told` of its progress and can be interrupted, and meanwhile shows a bar.
+/// Errors: interrupted.
 template <class Work>
 auto with_progress(const Console& console, ProgressCallback& told, Work work) {
   auto result = [&] {

@@ -188,8 +188,7 @@ void say_taken_unit(const Console& console, const fs::path& output, const MeshWr
   const std::string extension = extension_of(output);
   if (options.metres_per_unit > 0 || (extension != "glb" && extension != "3mf")) return;
   console.say("the unit of the coordinates is unknown: ." + extension + " takes it for " +
-              (extension == "glb" ? "metres" : "millimetres") +
-              "; for another: standoff convert --unit");
+              (extension == "glb" ? "metres" : "millimetres") + "; for another: standoff convert --unit");
 }
 
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {

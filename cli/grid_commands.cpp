@@ -97,7 +97,8 @@ void CrossingsCommand::tell(const Mesh& loaded, const GridChoice& choice,
 }  // namespace
 
 void add_crossings(CLI::App& program) {
-  add_command<CrossingsCommand>(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)", kCrossingsExamples);
+  add_command<CrossingsCommand>(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)",
+                                kCrossingsExamples);
 }
 
 namespace {
@@ -197,7 +198,8 @@ void VoxelsCommand::tell(const Mesh& loaded, const Occupancy& voxels) const {
 }  // namespace
 
 void add_voxels(CLI::App& program) {
-  add_command<VoxelsCommand>(program, "voxels", "find the voxels on the surface of a mesh, or inside it", kVoxelsExamples);
+  add_command<VoxelsCommand>(program, "voxels", "find the voxels on the surface of a mesh, or inside it",
+                             kVoxelsExamples);
 }
 
 }  // namespace standoff::cli

@@ -37,7 +37,7 @@ std::int64_t SidecarOptions::bytes_per_sample() const {
 }
 
 std::vector<Sidecar> SidecarOptions::make(MeshView mesh, DistanceField& field, const Execution& execution,
-                                  const ProgressCallback& progress) const {
+                                          const ProgressCallback& progress) const {
   if (kinds_.empty()) return {};
   std::vector<Sidecar> made =
       sidecars(mesh, field, kinds_, {.execution = {.threads = execution.threads}, .progress = progress});

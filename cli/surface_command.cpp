@@ -228,8 +228,7 @@ void SurfaceCommand::run() {
                                     std::string(name_of(found.report.sign.method)) +
                                     "; take more samples (-r), another --sign, or a larger --at"));
   const MeshWriteOptions writing = input.write_options(read, output.existing());
-  with_spinner(console, "writing " + output.path().string(),
-               [&] { write_mesh(output.path(), found.mesh, writing); });
+  with_spinner(console, "writing " + output.path().string(), [&] { write_mesh(output.path(), found.mesh, writing); });
   say(found, output.path().string(), console);
   say_taken_unit(console, output.path(), writing);
   if (console.json()) print(surface_json(input.name(), subject, options, found, output.path()), output.path());

@@ -53,7 +53,7 @@ struct BatchOrder {
 /// The answer to an order: a row, or that the earlier one still holds.
 struct BatchAnswer {
   bool holds = false;
-  int code = 0;     ///< of the row
+  int code = 0;            ///< of the row
   std::string row = {};    ///< with the line's end
   std::string doubt = {};  ///< of the thickness, for a warning; empty: none
 

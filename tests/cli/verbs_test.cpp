@@ -334,7 +334,8 @@ TEST_F(Verbs, ConvertMeshes) {
   done(words("generate catapult -q -o catapult.stl"));
   EXPECT_TRUE(done(words("convert catapult.stl -o catapult.glb")).says("is unknown: .glb takes it for metres"));
   EXPECT_FALSE(done(words("convert catapult.stl -f -o catapult.glb --unit m")).says("unknown"));
-  const Box lies = bounds(read_mesh(folder / "catapult.stl").mesh), stands = bounds(read_mesh(folder / "catapult.glb").mesh);
+  const Box lies = bounds(read_mesh(folder / "catapult.stl").mesh),
+            stands = bounds(read_mesh(folder / "catapult.glb").mesh);
   EXPECT_EQ(stands.extent(), (Vec3{lies.extent().x, lies.extent().z, lies.extent().y}));
 }
 

@@ -115,8 +115,8 @@ TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
     options.progress = [&](const Progress& progress) {
       EXPECT_GE(progress.fraction, last);
       EXPECT_LE(progress.fraction, 1);
-      EXPECT_TRUE(std::string("preparing the mesh,sorting the triangles,distances,checksum,done,").find(progress.stage + std::string(",")) !=
-                  std::string::npos)
+      EXPECT_TRUE(std::string("preparing the mesh,sorting the triangles,distances,checksum,done,")
+                      .find(progress.stage + std::string(",")) != std::string::npos)
           << progress.stage;
       if (stages.empty() || stages.back() != progress.stage) stages.push_back(progress.stage);
       last = progress.fraction;
