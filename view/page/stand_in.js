@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that share a cell of a lattice become
-// one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line stays, as a line: beams and wires
-// thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
+// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that
+// share a cell of a lattice become one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line
+// stays, as a line: beams and wires thinner than a cell would be gone. No vertex moves farther than a cell is wide.
 import {normalsOf} from './normals.js';
 
 /// Cells along the longest side, the coarsest first; of as many cubes as there are cells.
