@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // standoff collide: do two bodies intersect, and where?
+#include <array>
 #include <memory>
 
 #include "cli/batch_query.h"
@@ -52,32 +53,15 @@ const char* word_of(Verdict contact) {
   return contact == Verdict::free ? "free" : contact == Verdict::hit ? "hit" : "ambiguous";
 }
 
-const char* word_of(Containment containment) {
-  switch (containment) {
-    case Containment::none:
-      return "none";
-    case Containment::b_in_a:
-      return "b_in_a";
-    case Containment::a_in_b:
-      return "a_in_b";
-    case Containment::partly:
-      return "partly";
-  }
-  return "";
-}
-
-const char* sentence_of(Containment containment) {
-  switch (containment) {
-    case Containment::none:
-      return "";
-    case Containment::b_in_a:
-      return "B is inside A";
-    case Containment::a_in_b:
-      return "A is inside B";
-    case Containment::partly:
-      return "parts of a body are inside the other one";
-  }
-  return "";
+struct ContainmentWords {
+  const char *word, *sentence;
+};
+constexpr std::array<ContainmentWords, 4> kContainmentWords{{{"none", ""},
+                                                             {"b_in_a", "B is inside A"},
+                                                             {"a_in_b", "A is inside B"},
+                                                             {"partly", "parts of a body are inside the other one"}}};
+const ContainmentWords& words_of(Containment containment) {
+  return kContainmentWords[static_cast<std::size_t>(containment)];
 }
 
 // If one body is open, nothing counts as inside it.
@@ -102,11 +86,11 @@ void CollideCommand::run_batch() {
   const std::size_t verdicts = answers.counts.size();
   if (containment)
     for (const Containment kind : {Containment::b_in_a, Containment::a_in_b, Containment::partly})
-      answers.counts.emplace_back(word_of(kind), 0);
+      answers.counts.emplace_back(words_of(kind).word, 0);
   for (std::size_t n = 0; n < found.size(); ++n) {
     answers.table.cell(static_cast<std::int64_t>(n));
     answers.table.cell(word_of(found[n].verdict));
-    if (containment) answers.table.cell(word_of(found[n].containment));
+    if (containment) answers.table.cell(words_of(found[n].containment).word);
     answers.table.end_row();
     ++answers.counts[static_cast<std::size_t>(found[n].verdict)].second;
     if (found[n].containment != Containment::none)
@@ -129,7 +113,7 @@ void CollideCommand::run() {
     json["hit"] = found.verdict == Verdict::ambiguous ? Json() : Json(found.hit());
     json["triangle_a"] = json_triangle(found.triangle_a);
     json["triangle_b"] = json_triangle(found.triangle_b);
-    if (containment) json["containment"] = word_of(found.containment);
+    if (containment) json["containment"] = words_of(found.containment).word;
     if (contacts > 0) {
       json["contacts"] = Json::array();
       for (const ContactPoint& contact : all.contacts) json["contacts"].push_back(contact_json(contact));
@@ -139,7 +123,7 @@ void CollideCommand::run() {
   }
   std::string text = word;
   if (found.containment != Containment::none)
-    text += std::string(": ") + sentence_of(found.containment);
+    text += std::string(": ") + words_of(found.containment).sentence;
   else if (found.hit() && !certified)
     text +=
         ": triangle " + std::to_string(found.triangle_a) + " of A and " + std::to_string(found.triangle_b) + " of B";

@@ -57,7 +57,7 @@ _standoff_files() {
   compopt -o filenames 2>/dev/null
   while IFS= read -r name; do
     lower=${name,,}
-    if [[ -d $name || -z $1 || $lower =~ \.($1)(\.gz)?$ ]]; then COMPREPLY+=("$name"); fi
+    if [[ -d ${name/#~\//$HOME/} || -z $1 || $lower =~ \.($1)(\.gz)?$ ]]; then COMPREPLY+=("$name"); fi
   done < <(compgen -f -- "$cur")
 }
 )";
@@ -163,11 +163,14 @@ std::string zsh_value(const ManualValue& value) {
   return ":" + zsh_text(value.name) + ":" + action;
 }
 
+// A value may stand behind the name with = between, or in the same word behind a letter.
 std::string zsh_option(const ManualOption& option) {
   const std::string rest = "[" + zsh_text(option.help) + "]" + zsh_value(option.value);
-  if (option.names.size() == 1) return quoted(option.names.front() + rest);
-  return quoted("(" + with_between(option.names, " ") + ")") + "{" + with_between(option.names, ",") + "}" +
-         quoted(rest);
+  std::vector<std::string> names = option.names;
+  if (!option.value.name.empty())
+    for (std::string& name : names) name += name.starts_with("--") ? "=" : "+";
+  if (names.size() == 1) return quoted(names.front() + rest);
+  return quoted("(" + with_between(option.names, " ") + ")") + "{" + with_between(names, ",") + "}" + quoted(rest);
 }
 
 }  // namespace
@@ -177,7 +180,7 @@ std::string zsh_completion(const std::vector<ManualPage>& pages) {
   for (const ManualPage& page : pages) {
     if (page.name.empty()) continue;
     verbs += "    " + quoted(page.name + ":" + page.line) + "\n";
-    cases += "    " + page.name + ")\n      _arguments";
+    cases += "    " + page.name + ")\n      _arguments -S";
     for (const ManualOption& option : page.options) cases += " \\\n        " + zsh_option(option);
     for (std::size_t n = 0; n < page.arguments.size(); ++n)
       cases += " \\\n        " +
@@ -230,16 +233,13 @@ std::string fish_value(const ManualValue& value) {
 }
 
 constexpr const char* kFishHelpers = R"(
-# Files of these extensions, and folders to look into.
+# Files of these extensions, and folders to look into, of those that fish offers: it knows about quotes and homes.
 function __standoff_files
-    set -l token (commandline -ct)
-    for name in $token*
-        if test -d $name
-            echo $name/
-        else
-            for extension in $argv
-                string match -qir -- (string escape --style=regex $extension)'(\.gz)?$' $name; and echo $name
-            end
+    for line in (complete -C "__fish_command_without_completions "(commandline -ct))
+        set -l name (string split -m 1 \t -- $line)[1]
+        string match -q -- '*/' $name; and echo $name
+        for extension in $argv
+            string match -qir -- (string escape --style=regex $extension)'(\.gz)?$' $name; and echo $name
         end
     end
 end

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "cli/beside.h"
 #include "cli/console.h"
 #include "cli/field_options.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
 #include "cli/process.h"
+#include "cli/sidecar_options.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "files/atomic_file.h"
@@ -275,7 +274,7 @@ struct ComputeCommand {
   std::optional<std::filesystem::path> decision;  // a file, of the sign
   bool dry_run = false, uncompressed = false;
   int levels = 1;  // of a store
-  Beside beside;
+  SidecarOptions beside;
   CacheOption cache;
   std::optional<FieldCache> kept;  ///< of the cache, if it is given
   std::optional<std::string> confidence_name;
@@ -507,13 +506,9 @@ ComputeResult ComputeCommand::compute_window(const Plan& plan) {
 }
 
 Outcome ComputeCommand::write_whole(const Plan& plan) {
-  ComputeResult computed = [&] {
-    const Cancellable cancellable;
-    options.progress = console.progress();
+  ComputeResult computed = with_progress(console, options.progress, [&] {
     return plan.window ? compute_window(plan) : compute(plan.mesh, plan.choice.grid, plan.choice.thickness, options);
-  }();
-  options.progress = nullptr;  // ends the progress bar
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  });
   const std::vector<Sidecar> sidecars = [&] {
     const Cancellable cancellable;
     return beside.make(plan.mesh, computed.field, options.execution, console.progress());
@@ -545,10 +540,7 @@ SignConfidence ComputeCommand::write_confidence(const Mesh& loaded, const Distan
 }  // namespace
 
 void add_compute(CLI::App& program) {
-  auto* verb = add_verb(program, "compute", "compute the distance field of a mesh", kComputeExamples);
-  const auto command = std::make_shared<ComputeCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<ComputeCommand>(program, "compute", "compute the distance field of a mesh", kComputeExamples);
 }
 
 }  // namespace standoff::cli

@@ -73,7 +73,7 @@ class Bar {
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(fraction_ * kWidth);
     std::string line = "\r\033[K[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "] ";
-    line += std::to_string(static_cast<int>(fraction_ * 100)) + " % " + stage_text(stage_);
+    line += std::to_string(static_cast<int>(fraction_ * 100)) + " % " + stage_;
     if (const auto left = left_.at(std::chrono::duration<double>(now - start_).count(), fraction_))
       line += ", " + time_left_text(*left);
     std::fputs(line.c_str(), stderr);

@@ -15,8 +15,10 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/json.h"
+#include "cli/process.h"
 #include "cli/text.h"
 #include "standoff/compute.h"
+#include "standoff/error.h"
 
 namespace standoff::cli {
 
@@ -82,6 +84,20 @@ class Spinner {
   bool over_ = false;
   std::thread thread_;
 };
+
+/// Returns the result of work that tells `told` of its progress and can be interrupted, and meanwhile shows a bar.
+/// Errors: interrupted.
+template <class Work>
+auto with_progress(const Console& console, ProgressCallback& told, Work work) {
+  auto result = [&] {
+    const Cancellable cancellable;
+    told = console.progress();
+    return work();
+  }();
+  told = nullptr;  // ends the bar
+  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  return result;
+}
 
 /// Returns the result of `work`, and meanwhile shows what is waited for. With --verbose it says how long that took.
 template <class Work>

@@ -87,6 +87,7 @@ void ConvertCommand::run() {
   const MeshWriteOptions options = input.write_options(read, output.existing());
   with_spinner(console, writing, [&] { write_mesh(output.path(), mesh, options); });
   console.say(mesh_line(output.path().string(), mesh));
+  say_taken_unit(console, output.path(), options);
   report("mesh", "mesh", {{"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}});
 }
 

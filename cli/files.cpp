@@ -99,6 +99,7 @@ bool is_store(const fs::path& path) {
 }
 
 void check_input(const std::string& name) {
+  if (name.empty()) throw Error(ErrorCode::usage, "'': the name of a file is empty; give a mesh or field");
   if (name == "-")
     throw Error(ErrorCode::input,
                 "-: meshes and fields are not read by this name; give a file, or /dev/stdin for a pipe");
@@ -180,9 +181,14 @@ MeshReadResult MeshInput::read_with_report() const {
 }
 
 MeshWriteOptions MeshInput::write_options(const MeshReadReport& read, Existing existing) const {
-  MeshWriteOptions options{.existing = existing, .metres_per_unit = unit_ ? 1 : read.metres_per_unit};
-  options.y_up = read.metres_per_unit > 0 || read.turned() || name_.starts_with(kScene);
-  return options;
+  return {.existing = existing, .metres_per_unit = unit_ ? 1 : read.metres_per_unit, .up = read.up};
+}
+
+void say_taken_unit(const Console& console, const fs::path& output, const MeshWriteOptions& options) {
+  const std::string extension = extension_of(output);
+  if (options.metres_per_unit > 0 || (extension != "glb" && extension != "3mf")) return;
+  console.say("the unit of the coordinates is unknown: ." + extension + " takes it for " +
+              (extension == "glb" ? "metres" : "millimetres") + "; for another: standoff convert --unit");
 }
 
 void FileOutput::add_to(CLI::App& verb, const char* placeholder, const std::string& what, const char* name) {

@@ -114,6 +114,9 @@ class FileOutput {
 /// The bytes of a file, or of all files of a folder. A pipe has 0.
 std::int64_t written_bytes(const std::filesystem::path& path);
 
+/// Says which unit a format takes for coordinates whose unit is unknown, if it has one.
+void say_taken_unit(const Console& console, const std::filesystem::path& output, const MeshWriteOptions& options);
+
 /// "MESH: 12 triangles, 8 vertices".
 std::string mesh_line(const std::string& name, const Mesh& mesh);
 

@@ -66,7 +66,7 @@ void GenerateCommand::run() {
   const Mesh mesh = with_spinner(console, "making " + named.name,
                                  [&] { return scenes::make(named.name, std::max(triangles, named.triangles)); });
   with_spinner(console, "writing " + output.path().string(),
-               [&] { write_mesh(output.path(), mesh, {.existing = output.existing(), .y_up = true}); });
+               [&] { write_mesh(output.path(), mesh, {.existing = output.existing(), .up = Axis::y}); });
   console.say(mesh_line(output.path().string(), mesh));
   if (!console.json()) return;
   Json json = json_answer("generate");

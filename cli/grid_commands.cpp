@@ -2,13 +2,11 @@
 // standoff crossings: Hermite data of a mesh on a grid, into a file. standoff voxels: surface and solid voxels of a
 // mesh, into a file.
 #include <algorithm>
-#include <memory>
 
 #include "cli/console.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/crossings.h"
@@ -73,13 +71,8 @@ void CrossingsCommand::run() {
   validate(loaded);
   const GridChoice choice = grid.choose(bounds(loaded));
   console.say(mesh_line(mesh.name(), loaded));
-  const std::vector<EdgeCrossing> crossings = [&] {
-    const Cancellable cancellable;
-    options.progress = console.progress();
-    return edge_crossings(loaded, choice.grid, options);
-  }();
-  options.progress = nullptr;  // ends the progress bar
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  const std::vector<EdgeCrossing> crossings =
+      with_progress(console, options.progress, [&] { return edge_crossings(loaded, choice.grid, options); });
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_crossings(output.path(), crossings, choice.grid, output.existing()); });
   tell(loaded, choice, crossings);
@@ -104,11 +97,8 @@ void CrossingsCommand::tell(const Mesh& loaded, const GridChoice& choice,
 }  // namespace
 
 void add_crossings(CLI::App& program) {
-  auto* verb =
-      add_verb(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)", kCrossingsExamples);
-  const auto command = std::make_shared<CrossingsCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<CrossingsCommand>(program, "crossings", "find where the edges of a grid cross a mesh (Hermite data)",
+                                kCrossingsExamples);
 }
 
 namespace {
@@ -138,7 +128,7 @@ struct VoxelsCommand {
 
   void add_to(CLI::App& verb);
   void run();
-  Occupancy make(const Mesh& loaded, const Grid& samples) const;
+  Occupancy make(const Mesh& loaded, const Grid& samples, const ProgressCallback& progress) const;
   void tell(const Mesh& loaded, const Occupancy& voxels) const;
 };
 
@@ -160,9 +150,7 @@ void VoxelsCommand::add_to(CLI::App& verb) {
   console.add_to(verb, Console::kMessages | Console::kJson | Console::kProgress);
 }
 
-Occupancy VoxelsCommand::make(const Mesh& loaded, const Grid& samples) const {
-  const Cancellable cancellable;
-  const ProgressCallback progress = console.progress();
+Occupancy VoxelsCommand::make(const Mesh& loaded, const Grid& samples, const ProgressCallback& progress) const {
   if (surface) return surface_voxels(loaded, samples, {.execution = execution, .progress = progress});
   Occupancy voxels = occupancy(loaded, samples, {.sign = sign, .execution = execution, .progress = progress});
   if (both) add_voxels(voxels, surface_voxels(loaded, samples, {.execution = execution}));
@@ -183,8 +171,8 @@ void VoxelsCommand::run() {
                                       " voxels take more memory than there is; take fewer samples");
   console.say(mesh_line(mesh.name(), loaded));
   console.say(grid_line(choice));
-  const Occupancy voxels = make(loaded, choice.grid);
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  ProgressCallback progress;
+  const Occupancy voxels = with_progress(console, progress, [&] { return make(loaded, choice.grid, progress); });
   if (!surface && voxels.sign.method == SignMethod::none)
     console.warn(mesh.name() + ": no voxel is solid: " + voxels.sign.why + "; --surface needs no inside");
   with_spinner(console, "writing " + output.path().string(),
@@ -210,10 +198,8 @@ void VoxelsCommand::tell(const Mesh& loaded, const Occupancy& voxels) const {
 }  // namespace
 
 void add_voxels(CLI::App& program) {
-  auto* verb = add_verb(program, "voxels", "find the voxels on the surface of a mesh, or inside it", kVoxelsExamples);
-  const auto command = std::make_shared<VoxelsCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<VoxelsCommand>(program, "voxels", "find the voxels on the surface of a mesh, or inside it",
+                             kVoxelsExamples);
 }
 
 }  // namespace standoff::cli

@@ -332,6 +332,7 @@ struct InfoCommand {
   Console console;
 
   void run() const {
+    check_input(input.name());
     const bool is_mesh = kind_of(input.name()) != FileKind::field && kind_of(input.name()) != FileKind::body;
     if (!is_mesh && options.spacing > 0)
       throw Error(ErrorCode::usage, "--spacing: " + input.name() + " is no mesh; leave it out");

@@ -111,10 +111,6 @@ class GridOptions {
 /// "grid 256 x 254 x 200, spacing 0.1, full field".
 std::string grid_line(const GridChoice& choice);
 
-/// The sidecars that compute --with makes.
-inline constexpr std::array kSidecarKinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
-                                          SidecarKind::gradient};
-
 /// Says of a method whether a verb takes it.
 using TakesSign = bool (*)(const SignMethodInfo&);
 inline bool takes_all(const SignMethodInfo&) { return true; }

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -384,10 +383,7 @@ void RenderCommand::run() {
 }  // namespace
 
 void add_render(CLI::App& program) {
-  auto* verb = add_verb(program, "render", "draw meshes, fields, points and paths as a picture", kRenderExamples);
-  const auto command = std::make_shared<RenderCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<RenderCommand>(program, "render", "draw meshes, fields, points and paths as a picture", kRenderExamples);
 }
 
 }  // namespace standoff::cli

@@ -3,7 +3,6 @@
 #include "standoff/slice.h"
 
 #include <limits>
-#include <memory>
 
 #include "cli/console.h"
 #include "cli/files.h"
@@ -143,10 +142,7 @@ void SliceCommand::run() {
 }  // namespace
 
 void add_slice(CLI::App& program) {
-  auto* verb = add_verb(program, "slice", "draw a plane of a field as a picture", kSliceExamples);
-  const auto command = std::make_shared<SliceCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<SliceCommand>(program, "slice", "draw a plane of a field as a picture", kSliceExamples);
 }
 
 }  // namespace standoff::cli

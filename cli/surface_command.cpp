@@ -11,7 +11,6 @@
 #include "cli/json.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/error.h"
@@ -106,7 +105,7 @@ struct SurfaceCommand {
   void expect_surface(const SurfaceResult& found, const std::string& what_to_do) const;
   void set_levels(double spacing);
   SurfaceSubject subject;
-  MeshReadReport read;  // of the mesh, if it is one
+  MeshReadReport read;  // of the mesh; of a field the axis that points up alone
 };
 
 // "0.5", "-0.5" or "-2s".
@@ -168,23 +167,23 @@ SurfaceResult SurfaceCommand::of_field() {
   if (slices) return of_slices(*slices);
   const DistanceField& field = file.field;
   subject = {"field", field.grid()};
+  read.up = field.provenance().up.value_or(Axis::z);
   set_levels(field.grid().max_spacing());
-  const Cancellable cancellable;
-  options.progress = console.progress();
-  return surface(field, options);
+  return with_progress(console, options.progress, [&] { return surface(field, options); });
 }
 
 // Reads no more than some slices at a time, if it can.
 SurfaceResult SurfaceCommand::of_slices(const FieldSlices& slices) {
   const Grid& g = slices.grid();
   subject = {"field", g};
+  read.up = slices.provenance().up.value_or(Axis::z);
   set_levels(g.max_spacing());
-  const Cancellable cancellable;
-  options.progress = console.progress();
   const FieldReadOptions reading = field_argument.reading();
-  if (options.wall > 0 || options.method == SurfaceMethod::dual)
-    return surface(slices.read(0, g.size.z, reading), options);
-  return surface(g, slices.thickness(), slices.reader(reading), options, field_argument.slice_samples());
+  return with_progress(console, options.progress, [&] {
+    if (options.wall > 0 || options.method == SurfaceMethod::dual)
+      return surface(slices.read(0, g.size.z, reading), options);
+    return surface(g, slices.thickness(), slices.reader(reading), options, field_argument.slice_samples());
+  });
 }
 
 SurfaceResult SurfaceCommand::of_mesh() {
@@ -206,9 +205,7 @@ SurfaceResult SurfaceCommand::of_mesh() {
   set_levels(spacing);
   options.sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
-  const Cancellable cancellable;
-  options.progress = console.progress();
-  return surface(mesh, subject.grid, options);
+  return with_progress(console, options.progress, [&] { return surface(mesh, subject.grid, options); });
 }
 
 void SurfaceCommand::run() {
@@ -223,8 +220,6 @@ void SurfaceCommand::run() {
   if (!coordinates_given && (output.path().extension() == ".stl" || output.path().extension() == ".glb"))
     options.coordinates = Coordinates::single;
   const SurfaceResult found = is_field ? of_field() : of_mesh();
-  options.progress = nullptr;  // ends the progress bar
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   if (found.mesh.triangles.empty())
     throw Error(ErrorCode::input,
                 input.name() + ": there is no surface at " + number(options.at) +
@@ -232,9 +227,10 @@ void SurfaceCommand::run() {
                               : ": no sample of the grid is inside, by the sign " +
                                     std::string(name_of(found.report.sign.method)) +
                                     "; take more samples (-r), another --sign, or a larger --at"));
-  with_spinner(console, "writing " + output.path().string(),
-               [&] { write_mesh(output.path(), found.mesh, input.write_options(read, output.existing())); });
+  const MeshWriteOptions writing = input.write_options(read, output.existing());
+  with_spinner(console, "writing " + output.path().string(), [&] { write_mesh(output.path(), found.mesh, writing); });
   say(found, output.path().string(), console);
+  say_taken_unit(console, output.path(), writing);
   if (console.json()) print(surface_json(input.name(), subject, options, found, output.path()), output.path());
 }
 

@@ -96,9 +96,21 @@ std::string one_line(std::string text) {
 }
 
 std::string message_line(const std::string& text) {
-  constexpr std::size_t kLongest = 6000, kEnd = 1000;  // names of files have up to 4,095 bytes
-  if (text.size() <= kLongest) return one_line(text);
-  return one_line(text.substr(0, kLongest - kEnd) + "..." + text.substr(text.size() - kEnd));
+  constexpr std::size_t kLongest = 6000, kEnd = 1000, kLongestWord = 400, kWordEnd = 100;
+  const auto shortened = [](const std::string& whole, std::size_t longest, std::size_t end) {
+    if (whole.size() <= longest) return whole;
+    const auto character = [&](std::size_t at) {  // that begins there or next
+      while (at < whole.size() && (whole[at] & 0xC0) == 0x80) ++at;
+      return at;
+    };
+    return whole.substr(0, character(longest - end)) + "..." + whole.substr(character(whole.size() - end));
+  };
+  std::string line;
+  for (std::size_t start = 0, end = 0; start < text.size(); start = end) {
+    end = std::min(text.find(' ', start + 1), text.size());
+    line += shortened(text.substr(start, end - start), kLongestWord, kWordEnd);
+  }
+  return one_line(shortened(line, kLongest, kEnd));
 }
 
 std::string beginning(std::string_view text, std::size_t longest) {

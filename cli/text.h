@@ -48,7 +48,7 @@ inline constexpr std::size_t kHelpColumns = 60;
 /// Line ends become blanks and other control bytes '?': whatever a file is called or holds, a message stays one line,
 /// whole, and moves no cursor.
 std::string one_line(std::string text);
-/// A message's line: what stands in the middle of a very long one, such as an argument, is left out.
+/// A message's line: what stands in the middle of a very long word, such as a name, or of a very long line is left out.
 std::string message_line(const std::string& text);
 /// The text's first characters, `longest` at the most; bytes that are not printable as '?'. For what a file holds.
 std::string beginning(std::string_view text, std::size_t longest);

@@ -2,9 +2,7 @@
 #include "cli/time_left.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 namespace standoff::cli {
 
@@ -32,27 +30,6 @@ std::string time_left_text(double seconds) {
   if (seconds < 90) return std::to_string(std::lround(seconds)) + " s left";
   if (seconds < 5400) return std::to_string(std::lround(seconds / 60)) + " min left";
   return std::to_string(std::lround(seconds / 3600)) + " h left";
-}
-
-std::string stage_text(const std::string& stage) {
-  constexpr std::array<std::pair<const char*, const char*>, 14> kWords{{
-      {"prepare", "preparing the mesh"},
-      {"bin", "sorting the triangles"},
-      {"gather", "distances"},
-      {"seed", "distances"},
-      {"spread", "distances"},
-      {"copy", "copying from the GPU"},
-      {"hash", "checksum"},
-      {"read", "reading"},
-      {"write", "writing"},
-      {"sort", "sorting the triangles"},
-      {"tree", "search tree"},
-      {"bvh", "search tree"},
-      {"verify", "comparing"},
-      {"merge", "putting together"},
-  }};
-  const auto found = std::ranges::find(kWords, stage, &std::pair<const char*, const char*>::first);
-  return found == kWords.end() ? stage : found->second;
 }
 
 }  // namespace standoff::cli

@@ -26,7 +26,4 @@ class TimeLeft {
 /// "8 s left", "less than 1 s left", "3 min left": as coarse as the estimate is.
 std::string time_left_text(double seconds);
 
-/// A stage of the library's work in words of users: "distances" for "gather". Others stay as they are.
-std::string stage_text(const std::string& stage);
-
 }  // namespace standoff::cli

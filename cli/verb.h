@@ -2,6 +2,7 @@
 // The verbs: the table of them, the program's help, and its words for command lines that make no sense.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,15 @@ void add_version_and_help(CLI::App& program);
 
 /// A verb with a line about it and its examples, which come first in its help.
 CLI::App* add_verb(CLI::App& program, const std::string& name, const std::string& line, const std::string& examples);
+
+/// The same of a command, in whose hands the verb is: add_to() says what it takes, run() does it.
+template <class Command>
+void add_command(CLI::App& program, const char* name, const char* line, const char* examples) {
+  CLI::App* const verb = add_verb(program, name, line, examples);
+  const auto command = std::make_shared<Command>();
+  command->add_to(*verb);
+  verb->callback([command] { command->run(); });
+}
 
 /// The word that stands for the value of an option, or for an argument, in the help: "FIELD". Empty for a flag.
 std::string value_name(const CLI::Option& option);

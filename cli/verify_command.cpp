@@ -10,7 +10,7 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
+#include "cli/sidecar_options.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/compute.h"
@@ -113,15 +113,11 @@ void VerifyCommand::run() {
   const auto [slices, file] = input.read_parts(field, console);
   method = (slices ? slices->provenance() : file.field.provenance()).method;
   const Mesh triangles = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
-  const VerifyResult found = [&] {
-    const Cancellable cancellable;
-    options.progress = console.progress();
+  const VerifyResult found = with_progress(console, options.progress, [&] {
     return slices ? verify(slices->grid(), slices->thickness(), slices->reader(input.reading()), triangles, options,
                            input.slice_samples())
                   : verify(file.field, triangles, options);
-  }();
-  options.progress = nullptr;
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  });
   if (slices && !slices->sidecars().empty())
     console.warn(field + ": too large for the memory limit; what is stored beside the distances is not checked");
   if (found.nearest_wrong == 0) sidecars_wrong = count_wrong(file, triangles, {.threads = options.execution.threads});

@@ -2,7 +2,6 @@
 // standoff view: meshes and fields as a page for a browser.
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +10,6 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "cli/view_server.h"
@@ -118,6 +116,7 @@ GridChoice ViewCommand::choose_grid(const Mesh& mesh) const {
   if (const double far = std::max(max_norm(box.min), max_norm(box.max)); far > kMaxCoordinate)
     throw Error(ErrorCode::input, files.front() + ": a coordinate of " + number(far) +
                                       ", too far out for a grid; repair the mesh, or show it alone with --no-field");
+  if (const std::string doubt = grid.doubt_of_thickness(box); !doubt.empty()) console.warn(doubt);
   return grid.choose(box);
 }
 
@@ -127,13 +126,9 @@ void ViewCommand::compute_field(Subject& subject) {
   const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
   compute_options.up = up;
-  ComputeResult computed = [&] {
-    const Cancellable cancellable;
-    compute_options.progress = console.progress();
+  ComputeResult computed = with_progress(console, compute_options.progress, [&] {
     return compute(subject.meshes.front().mesh, choice.grid, choice.thickness, compute_options);
-  }();
-  compute_options.progress = nullptr;  // ends the progress bar
-  if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
+  });
   console.say("field: " + size_text(choice.grid.size) + " samples, " +
               (computed.report.sign.method == SignMethod::none ? "no sign" : computed.report.sign.why));
   subject.fields.push_back(std::move(computed.field));
@@ -171,12 +166,11 @@ void ViewCommand::run() {
     output.check({{"html", "a page", false, true}});
     for (const std::string& name : files) output.check_differs(name);
   }
+  if (page.title.empty())
+    for (const std::string& name : files) page.title += (page.title.empty() ? "" : ", ") + shown_name(name);
   Subject subject = read();
   if (!output.given()) return serve(std::move(subject));
-  if (subject.fields.empty() && !no_field) {
-    if (page.title.empty()) page.title = subject.meshes.front().name;
-    compute_field(subject);
-  }
+  if (subject.fields.empty() && !no_field) compute_field(subject);
 
   const std::vector<PageMesh> meshes = subject.page_meshes();
   const std::vector<PageField> fields = subject.page_fields();
@@ -203,10 +197,7 @@ void ViewCommand::run() {
 }  // namespace
 
 void add_view(CLI::App& program) {
-  auto* verb = add_verb(program, "view", "show meshes and fields in a browser", kViewExamples);
-  const auto command = std::make_shared<ViewCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<ViewCommand>(program, "view", "show meshes and fields in a browser", kViewExamples);
 }
 
 }  // namespace standoff::cli

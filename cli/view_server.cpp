@@ -68,15 +68,6 @@ LiveSettings settings_of(const Request& request, LiveSettings settings) {
   return settings;
 }
 
-// The names of what is shown.
-std::string title_of(const ViewSubject& subject) {
-  std::string title;
-  const auto add = [&](const std::string& name) { title += (title.empty() ? "" : ", ") + name; };
-  for (const ViewSubject::NamedMesh& mesh : subject.meshes) add(mesh.name);
-  for (const std::string& name : subject.field_names) add(name);
-  return title;
-}
-
 // The extension of a file's name, if it is that of a mesh; nothing else of the name is used.
 std::string mesh_suffix(std::string_view name) {
   const auto dot = name.rfind('.');
@@ -109,7 +100,6 @@ ViewServer::ViewServer(ViewSubject subject, const PageOptions& page, const std::
     : subject_(std::move(subject)), page_(page) {
   page_.served = true;
   if (!page_.up) page_.up = up_axis(subject_.page_meshes(), subject_.page_fields());
-  if (page_.title.empty()) page_.title = title_of(subject_);
   if (!live) return;
   auto& [name, mesh, up] = subject_.meshes.front();
   live_ = std::make_unique<view::LiveView>(name, std::move(mesh), *live, memory_limit);

@@ -103,6 +103,7 @@ class BatchRun {
   std::unordered_map<std::int64_t, BatchOrder> under_way_;
   std::optional<BatchOrder> waits_;  // for a mesh of the same name that is under way
   std::int64_t failed_ = 0, rows_ = 0;
+  bool doubted_ = false;  // of one mesh: others are alike
 };
 
 BatchSummary BatchRun::run(std::shared_ptr<ResultSink> sink) {
@@ -214,6 +215,7 @@ void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
   const MeshId mesh = std::move(found->second.mesh);
   under_way_.erase(found);
   if (answer.holds) return keep(mesh);
+  if (!answer.doubt.empty() && !std::exchange(doubted_, true)) command_.console.warn(mesh.name + ": " + answer.doubt);
   if (answer.code != 0) sink_->forget(mesh);
   manifest_.append(answer.row);
   ++summary_.counts[answer.code];
@@ -475,10 +477,7 @@ void BatchCommand::run() {
 }  // namespace
 
 void add_batch(CLI::App& program) {
-  auto* verb = add_verb(program, "batch", "fields of many meshes, or points with distances", kBatchExamples);
-  const auto command = std::make_shared<BatchCommand>();
-  command->add_to(*verb);
-  verb->callback([command] { command->run(); });
+  add_command<BatchCommand>(program, "batch", "fields of many meshes, or points with distances", kBatchExamples);
 }
 
 }  // namespace standoff::cli

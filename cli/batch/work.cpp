@@ -150,6 +150,7 @@ std::string BatchAnswer::text() const {
   packed.put(std::int64_t{holds});
   packed.put(std::int64_t{code});
   packed.put(row);
+  packed.put(doubt);
   return packed.take();
 }
 
@@ -159,6 +160,7 @@ BatchAnswer BatchAnswer::of(const std::string& text) {
   answer.holds = packed.number() != 0;
   answer.code = static_cast<int>(packed.number());
   answer.row = packed.text();
+  answer.doubt = packed.text();
   return answer;
 }
 
@@ -218,13 +220,14 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
   Json row = row_of(order, parameters_);
   seconds_ = Json::object();
   waited_s_ = 0;
+  doubt_.clear();
   const auto fail = [&](ErrorCode code, const std::string& message) {
     set_status(row, static_cast<int>(code), message);
     field_ = {};
   };
   set_status(row, 0, "");
   try {
-    if (!make_row(order, wait_to_be_alone, row)) return {.holds = true, .code = 0, .row = ""};
+    if (!make_row(order, wait_to_be_alone, row)) return {.holds = true};
   } catch (const Error& error) {
     fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
@@ -236,7 +239,7 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
   seconds_["total"] = seconds_since(start) - waited_s_;
   row["seconds"] = seconds_;
   if (alone_) field_ = {};  // what a large one took is not held through thousands of small ones
-  return {.holds = false, .code = row["code"].get<int>(), .row = row_text(row)};
+  return {.holds = false, .code = row["code"].get<int>(), .row = row_text(row), .doubt = doubt_};
 }
 
 bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {
@@ -277,6 +280,7 @@ bool MeshWork::make_row(const BatchOrder& order, const std::function<void()>& wa
   making_.field.compute.up = found.report.up;
   naming(order.path, [&] {
     const GridChoice choice = making_.field.choose_grid(order.path, bounds(mesh));
+    doubt_ = making_.field.doubt_of_thickness(bounds(mesh));
     row["grid"] = json_grid(choice.grid);
     row["thickness"] = json_number(choice.thickness);
     seconds_["read"] = seconds_since(start);

@@ -53,8 +53,9 @@ struct BatchOrder {
 /// The answer to an order: a row, or that the earlier one still holds.
 struct BatchAnswer {
   bool holds = false;
-  int code = 0;     ///< of the row
-  std::string row;  ///< with the line's end
+  int code = 0;            ///< of the row
+  std::string row = {};    ///< with the line's end
+  std::string doubt = {};  ///< of the thickness, for a warning; empty: none
 
   std::string text() const;
   static BatchAnswer of(const std::string& text);
@@ -100,6 +101,7 @@ class MeshWork {
   std::string parameters_;
   DistanceField field_;  // kept from one mesh to the next: allocating it anew takes a third of a small field's time
   Json seconds_;         // of the mesh being worked on
+  std::string doubt_;
   FieldCache::Key cache_key_;
   double waited_s_ = 0;  // to be alone
   int threads_ = 1;

@@ -79,11 +79,13 @@ STANDOFF_API MeshReadResult read_mesh(const std::filesystem::path& path, const M
 struct MeshWriteOptions {
   Existing existing = Existing::replace;
   ProgressCallback progress = {};
-  // Of the formats that are written, 3MF alone has a unit and a direction that is up (docs/formats_meshes.md).
-  /// Metres per unit of the coordinates, as MeshReadReport has it; 0: unknown, which 3MF takes for millimetres.
+  // Of the formats that are written, GLB and 3MF have a unit and a direction that is up (docs/formats_meshes.md).
+  /// Metres per unit of the coordinates, as MeshReadReport has it; 0: unknown, which GLB takes for metres and 3MF for
+  /// millimetres.
   double metres_per_unit = 0;
-  /// Whether y is up, as in what the readers make of formats that have such a direction; else z.
-  bool y_up = false;
+  /// The axis that points up, as MeshReadReport has it: the mesh is turned so that the format's does, y of GLB and z of
+  /// 3MF. Nothing: it is not turned.
+  std::optional<Axis> up = {};
 };
 
 /// Writes a mesh; the file appears whole or not at all. Errors: output (also a mesh that the format cannot hold),

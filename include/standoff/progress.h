@@ -7,9 +7,8 @@
 namespace standoff {
 
 struct Progress {
-  const char* stage = "";  ///< of compute: "prepare", "bin", "gather", "copy" (from a GPU), "sign", "hash" (not of
-                           ///< compute_into dense memory), "done"; of verify: "sort", "verify"; of files: "read" or
-                           ///< "write", whose fraction stays 0, "done"
+  const char* stage = "";  ///< what is being done, in words for people: "preparing the mesh", "distances"; "done" at
+                           ///< the end. That of reading and writing a file keeps a fraction of 0
   double fraction = 0;     ///< the finished share of the whole work, 0 to 1; never decreases
 };
 

@@ -93,7 +93,7 @@ class Workers {
 struct Shared {
   std::mutex mutex;
   std::condition_variable changed;
-  Progress seen{"prepare", 0};
+  Progress seen{"preparing the mesh", 0};
   bool stopped = false;   // the watching thread wants the work to end
   bool finished = false;  // the work has ended
   std::exception_ptr error;

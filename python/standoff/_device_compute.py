@@ -62,7 +62,8 @@ class _Planned:
     def field(self, report: dict[str, Any] | Exception, stream: _core.Stream) -> DeviceField | Exception:
         if isinstance(report, Exception):
             return report
-        sign, provenance = SignReport(**report.pop("sign")), report.pop("provenance")
+        sign, made = SignReport(**report.pop("sign")), report.pop("provenance")
+        provenance = _core.Provenance(made.method, made.mesh_hash, made.version, made.sign, self.mesh.up)
         del report["method"]
         return DeviceField._make(self.grid, self.thickness, provenance, sign=sign, computation=report)._placed(
             self.values, self.mesh.number, stream

@@ -24,16 +24,17 @@ class OnGpu:
     index: int
     source: Any
     parts: tuple[Any, Any]
+    up: str
     written_on: frozenset[int]
     """The streams that the arrays' library works on in the thread that prepared them."""
 
     @staticmethod
-    def of(index: int, source: Any, mesh: Any) -> OnGpu | None:
+    def of(index: int, source: Any, mesh: Any, up: str) -> OnGpu | None:
         """The mesh, if it lies on a GPU. Call it in the thread that made its arrays."""
         parts = parts_on_gpu(mesh)
         if parts is None:
             return None
-        return OnGpu(index, source, parts, frozenset(filter(None, map(_stream_here, parts))))
+        return OnGpu(index, source, parts, up, frozenset(filter(None, map(_stream_here, parts))))
 
 
 def compute_together(waiting: Sequence[OnGpu], options: Mapping[str, Any]) -> Iterator[DeviceField | Exception]:
@@ -57,7 +58,7 @@ def compute_together(waiting: Sequence[OnGpu], options: Mapping[str, Any]) -> It
 def _placed(one: OnGpu, options: Mapping[str, Any]) -> MeshOnDevice | Exception:
     try:
         device = runs_on(options["threads"], options["device"])[1]
-        return MeshOnDevice(one.parts, device, options["stream"], one.written_on)
+        return MeshOnDevice(one.parts, device, options["stream"], one.written_on, one.up)
     except OF_A_MESH as error:
         return without_frames(error)
 

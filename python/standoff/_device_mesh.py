@@ -32,7 +32,12 @@ class MeshOnDevice:
     """A mesh whose arrays lie on one GPU, and the stream that works on it."""
 
     def __init__(
-        self, parts: tuple[Any, Any], device: str, stream: Any, written_on: Iterable[int] = frozenset()
+        self,
+        parts: tuple[Any, Any],
+        device: str,
+        stream: Any,
+        written_on: Iterable[int] = frozenset(),
+        up: str = "",
     ) -> None:
         """`written_on` are the handles of further streams that may still write the arrays."""
         vertices, faces = parts
@@ -45,6 +50,7 @@ class MeshOnDevice:
             handle = stream_of(corners.stream or 0)
         indices = device_array(faces, "faces", handle).in_threes()
         self.source = vertices
+        self.up = up
         self.rows = corners.rows("vertices", "f"), indices.rows("faces", "iu")
         self.number = _number_of(device, corners, indices)
         self.worker = device == "emulated", self.number, handle

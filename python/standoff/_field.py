@@ -374,8 +374,7 @@ class DistanceField:
         from ._mesh import as_mesh
 
         meshes = [] if mesh is None else [as_mesh(mesh)]
-        page = Page.showing(meshes, [self, *others], title=title, unit=unit, up=up, height=height)
-        return page._shown(browser)
+        return Page.showing(meshes, [self, *others], title=title, unit=unit, up=up, height=height, browser=browser)
 
     def _repr_png_(self) -> bytes:
         return bytes(self.plot())

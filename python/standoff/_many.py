@@ -15,7 +15,7 @@ from ._compute import field
 from ._device_many import OnGpu, compute_together
 from ._errors import OF_A_MESH
 from ._field import DistanceField
-from ._mesh import as_mesh
+from ._mesh import Mesh, as_mesh
 from ._workers import Task, Workers
 
 
@@ -60,8 +60,8 @@ def fields(
         workers: how many meshes are worked on at a time, each with one thread; by default two for each core, since one
             waits now and then: for its file, or for Python.
         ahead: how many results may wait; by default four for each worker.
-        prepare: called with each mesh first, in a worker; returns what the field is computed of. For example to
-            normalise the size, or to move the mesh to a GPU.
+        prepare: called with each mesh first, in a worker; returns what the field is computed of, in which the same axis
+            points up unless it says another. For example to normalise the size, or to move the mesh to a GPU.
         progress: True for a bar by tqdm.
         options: as for `field`: ``resolution=64, band=3``.
 
@@ -103,8 +103,14 @@ def _results(
 ) -> Iterator[FieldResult]:
     def work(check: Callable[[], None], index: int, source: Any) -> FieldResult | OnGpu:
         try:
-            mesh = source if prepare is None else prepare(as_mesh(source))
-            on_gpu = OnGpu.of(index, source, mesh)
+            mesh, up = source, ""
+            if prepare is not None:
+                given = as_mesh(source)
+                mesh, up = prepare(given), given.up
+            on_gpu = OnGpu.of(index, source, mesh, up)
+            if on_gpu is None and up:
+                mesh = as_mesh(mesh)
+                mesh = Mesh(mesh.vertices, mesh.faces, up=mesh.up or up)
             return on_gpu or FieldResult(index, source, field(mesh, progress=lambda *_: check(), **options), None)
         except OF_A_MESH as error:
             return FieldResult(index, source, None, error)

@@ -177,8 +177,7 @@ class Mesh:
         """
         from ._page import Page
 
-        page = Page.showing([self], list(fields), title=title, unit=unit, up=up, height=height)
-        return page._shown(browser)
+        return Page.showing([self], list(fields), title=title, unit=unit, up=up, height=height, browser=browser)
 
     def __repr__(self) -> str:
         return f"<standoff.Mesh: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"

@@ -280,7 +280,9 @@ def progress_of(progress: Progress, name: str) -> Iterator[Callable[[str, float]
         from tqdm.auto import tqdm
     except ImportError as error:
         raise ImportError("progress=True draws its bar with tqdm; pip install tqdm, or pass a function") from error
-    with tqdm(total=1000, desc=name, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}") as bar:
+    with tqdm(
+        total=1000, desc=name, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
+    ) as bar:
 
         def show(stage: str, fraction: float) -> None:
             bar.set_postfix_str(stage, refresh=False)

@@ -36,9 +36,17 @@ class Page:
 
     @classmethod
     def showing(
-        cls, meshes: list[Mesh], fields: list[DistanceField], *, title: str, unit: str, up: str, height: int
+        cls,
+        meshes: list[Mesh],
+        fields: list[DistanceField],
+        *,
+        title: str,
+        unit: str,
+        up: str,
+        height: int,
+        browser: bool | None,
     ) -> Page:
-        """The page of these meshes and fields."""
+        """The page of these meshes and fields, opened in the browser if that is asked for; None: where no notebook shows it."""
         from ._field import DistanceField
         from ._mesh import upwards
 
@@ -57,7 +65,10 @@ class Page:
             name(unit, "unit"),
             upwards(up, meshes),
         )
-        return cls(html, rows)
+        page = cls(html, rows)
+        if not _in_notebook() if browser is None else flag(browser, "browser"):
+            page.open()
+        return page
 
     def open(self) -> bool:
         """Opens the page in the browser, out of a file in the folder of temporary files; says whether there is one.
@@ -72,12 +83,6 @@ class Page:
         with tempfile.NamedTemporaryFile(prefix="standoff-", suffix=".html", delete=False) as file:
             file.write(self._html)
         return webbrowser.open(Path(file.name).as_uri())
-
-    def _shown(self, browser: bool | None) -> Page:
-        """The page itself, opened in the browser if that is asked for; None: where no notebook shows it."""
-        if not _in_notebook() if browser is None else flag(browser, "browser"):
-            self.open()
-        return self
 
     def save(self, path: PathLike) -> None:
         """Writes the page as an HTML file."""

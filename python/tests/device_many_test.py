@@ -66,6 +66,13 @@ def test_fields_are_those_of_single_meshes_in_their_order(launches):
             assert not np.shares_memory(result.field.values.array, alone.values.array)
 
 
+def test_what_is_up_stays_with_a_mesh_that_moves_to_the_gpu(launches):
+    mesh = so.Mesh(VERTICES, FACES, up="y")
+    for prepare, up in ((lambda _: on_gpu(), "y"), (None, "")):
+        (result,) = so.fields([mesh if prepare else on_gpu()], prepare=prepare, resolution=8, **ON_GPU)
+        assert result.unwrap().provenance["up"] == up
+
+
 def test_errors_are_collected(launches):
     def broken(array, place, value):
         array = array.copy()

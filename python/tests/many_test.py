@@ -100,6 +100,16 @@ def test_results_do_not_pile_up():
     assert most <= 4 + 2 + 1
 
 
+def test_fields_remember_what_is_up():
+    mesh = so.Mesh(*shapes.cube(), up="y")
+    for prepare in (None, lambda mesh: (mesh.vertices * 2, mesh.faces), lambda mesh: mesh):
+        for options in (OPTIONS, {"resolution": 12}):
+            (result,) = so.fields([mesh], prepare=prepare, **options)
+            assert result.unwrap().provenance["up"] == "y"
+    (turned,) = so.fields([mesh], prepare=lambda mesh: so.Mesh(mesh.vertices, mesh.faces, up="z"), **OPTIONS)
+    assert turned.unwrap().provenance["up"] == "z"
+
+
 def test_prepare():
     seen = []
 

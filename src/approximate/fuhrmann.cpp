@@ -35,7 +35,7 @@ SampleRange prism_samples(const Triple<double> (&corner)[3], const Grid& grid, d
 }  // namespace
 
 Counts run_fuhrmann(const Job& job, Sink& sink) {
-  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
   return run_in_boxes(job, sink, prism_samples);
 }
 

@@ -53,7 +53,7 @@ struct Spreading {
     const double thickness = seed_thickness(job.grid);
     DistanceField shell(job.grid, thickness, true);
     Sink sink(shell);
-    job.progress.stage("seed", brick_count(job.grid), 0.2, 0.3);
+    job.progress.stage("seeds", brick_count(job.grid), 0.2, 0.3);
     measured += run_in_boxes({job.mesh, job.kept, job.grid, thickness, job.threads, job.simd, job.progress}, sink,
                              visited_samples)
                     .samples_examined;
@@ -140,7 +140,7 @@ Counts run_jumps(const Job& job, Sink& sink, int more) {
   Spreading spreading(job);
   std::int64_t passes = 0;
   for_each_jump(spreading.space.lattice, more, [&](std::int64_t) { ++passes; });
-  job.progress.stage("spread", passes * job.grid.size.y * job.grid.size.z, 0.3, 0.9);
+  job.progress.stage("distances", passes * job.grid.size.y * job.grid.size.z, 0.3, 0.9);
   std::vector<Found> before(spreading.found.size());
   for_each_jump(spreading.space.lattice, more, [&](std::int64_t step) { spreading.jump_all(step, before); });
   return spreading.write(sink);
@@ -150,7 +150,7 @@ Counts run_jumps(const Job& job, Sink& sink, int more) {
 
 Counts run_propagate(const Job& job, Sink& sink) {
   Spreading spreading(job);
-  job.progress.stage("spread", kPropagationSweeps * row_fronts(spreading.space.lattice), 0.3, 0.9);
+  job.progress.stage("distances", kPropagationSweeps * row_fronts(spreading.space.lattice), 0.3, 0.9);
   for (int number = 0; number < kPropagationSweeps; ++number) spreading.sweep(number);
   return spreading.write(sink);
 }

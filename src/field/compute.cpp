@@ -31,7 +31,7 @@ Computation::Computation(MeshView mesh, const Grid& grid, double thickness, cons
 void Computation::check() {
   threads_.run([&] {
     Stopwatch watch;
-    progress_.stage("prepare", 1, 0, 0.1);
+    progress_.stage("preparing the mesh", 1, 0, 0.1);
     check_mesh(mesh_, plan_, options_);
     if (options_.decision.empty()) {
       sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
@@ -51,7 +51,7 @@ Job Computation::job() {
   Stopwatch watch;
   kept_ = kept_by_plan(mesh_, plan_, sign_plan_.exposed, progress_);
   report_.seconds.prepare += watch.lap();
-  progress_.stage("bin", 1, 0.1, 0.2);
+  progress_.stage("sorting the triangles", 1, 0.1, 0.2);
   return {.mesh = mesh_,
           .kept = kept_,
           .grid = plan_.grid,
@@ -154,7 +154,7 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
     const Counts counts = computation.plan().row->run(job, sink);
     std::uint64_t hash = 0;
     if (with_hash) {
-      computation.progress().stage("hash", 1, 1, 1);
+      computation.progress().stage("checksum", 1, 1, 1);
       hash = computation.mesh_hash();
     }
     report.seconds.compute = watch.lap();

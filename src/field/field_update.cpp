@@ -104,7 +104,7 @@ FieldUpdate::FieldUpdate(MeshView before, MeshView after, MeshFacts& facts, Dist
 
 // What all depends on, then which windows change. Returns why windows cannot do; nothing where they do.
 std::string FieldUpdate::find_out(std::span<const std::uint32_t> changed) {
-  progress_.stage("prepare", 1, 0, 0.1);
+  progress_.stage("preparing the mesh", 1, 0, 0.1);
   check_field();
   std::string anew = global_reason();
   if (anew.empty()) anew = find_change(changed);
@@ -130,7 +130,7 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
     return std::move(report_);
   }
   threads.run([&] {
-    progress_.stage("gather", static_cast<std::int64_t>(windows_.size()), 0.1, 0.9);
+    progress_.stage("distances", static_cast<std::int64_t>(windows_.size()), 0.1, 0.9);
     DistanceField scratch;  // keeps its memory from window to window
     for (std::size_t n = 0; n < windows_.size(); ++n) {
       compute(triangles_[n], windows_[n].grid, scratch);
@@ -140,7 +140,7 @@ UpdateReport FieldUpdate::run(std::span<const std::uint32_t> changed) {
       report_.seconds.sign += watch.lap();
       progress_.advance();
     }
-    progress_.stage("merge", 1, 0.9, 1);
+    progress_.stage("putting together", 1, 0.9, 1);
     merge();
   });
   report_.seconds.merge = watch.lap();

@@ -418,15 +418,15 @@ VerifyResult verify_slices(Slices& slices, MeshView mesh, const VerifyOptions& o
   std::vector<Finding> findings(static_cast<std::size_t>(std::min(options.samples, slices.grid().sample_count())));
   VerifyResult result;
   Threads(options.execution.threads).run([&] {
-    progress.stage("read", slices.parts(), 0, 0.05);
+    progress.stage("reading", slices.parts(), 0, 0.05);
     const Chosen chosen = choose(slices, options, progress);
     const Provenance from = slices.part(0).provenance();
     result.sign.method = from.sign;
     result.mesh_differs = from.mesh_hash != 0 && from.mesh_hash != content_hash(mesh);
-    progress.stage("sort", 1, 0.05, 0.1);
+    progress.stage("sorting the triangles", 1, 0.05, 0.1);
     const Check check(slices.grid(), slices.thickness(), from.sign, mesh, progress);
     result.sign.can_check = check.can_check_sign();
-    progress.stage("verify", static_cast<std::int64_t>(findings.size()), 0.1, 1);
+    progress.stage("comparing", static_cast<std::int64_t>(findings.size()), 0.1, 1);
     slices.for_each([&](const DistanceField& part, std::int64_t first) {
       const auto samples = samples_in(chosen, slices, part, first);
       tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t n) {

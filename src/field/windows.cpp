@@ -178,7 +178,7 @@ void FieldInWindows::prepare() {
   signs_of_grid_ =
       steps_of(computation_.sign_method()).scope == SignScope::grid ? computation_.signs({}) : signs_of_all_rows();
   computation_.report().seconds.sign = watch.lap();
-  computation_.progress().stage("gather", brick_count(plan().grid), 0.2, 1);
+  computation_.progress().stage("distances", brick_count(plan().grid), 0.2, 1);
   tell();
 }
 

@@ -8,7 +8,6 @@
 
 #include "core/guarded.h"
 #include "core/number_text.h"
-#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "files/deflate.h"
 #include "render/image.h"
@@ -266,11 +265,11 @@ std::string made(std::span<const PageMesh> meshes, std::span<const PageField> fi
 }  // namespace
 
 Axis up_axis(std::span<const PageMesh> meshes, std::span<const PageField> fields) try {
-  std::vector<std::optional<Axis>> known;
-  for (const PageMesh& mesh : meshes) known.push_back(mesh.up);
+  for (const PageMesh& mesh : meshes)
+    if (mesh.up) return *mesh.up;
   for (const PageField& field : fields)
-    if (field.field) known.push_back(field.field->provenance().up);
-  return first_up(known, meshes.empty() ? nullptr : &meshes[0].mesh);
+    if (field.field && field.field->provenance().up) return *field.field->provenance().up;
+  return meshes.empty() ? Axis::z : up_axis(meshes[0].mesh);
 } catch (...) {
   throw_as_error("up_axis");
 }

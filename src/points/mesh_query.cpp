@@ -194,7 +194,7 @@ MeshQuery::MeshQuery(MeshView mesh, const MeshQueryOptions& options) try {
   threads.run([&] {
     progress.stage("sign", 1, 0, 0.5);
     SignPlan plan = plan_of(mesh, options.sign, progress);
-    progress.stage("tree", 1, 0.5, 1);
+    progress.stage("search tree", 1, 0.5, 1);
     data_ = std::make_shared<const Data>(copy_of(mesh), options.sign, std::move(plan), threads.count(),
                                          options.execution.simd, [&progress](const Progress&) {
                                            progress.check();

@@ -13,7 +13,6 @@
 #include "core/guarded.h"
 #include "core/memory.h"
 #include "core/threads.h"
-#include "core/up_axis.h"
 #include "files/atomic_file.h"
 #include "render/image.h"
 #include "render/light.h"
@@ -344,15 +343,14 @@ Drawing drawing_of(MeshView mesh) {
 
 PictureOptions upright(const Drawing& drawing, const PictureOptions& options) {
   PictureOptions found = options;
-  if (options.up) return found;
-  std::vector<std::optional<Axis>> known;
-  const auto add = [&](const DistanceField* field) {
-    if (field) known.push_back(field->provenance().up);
+  const auto try_field = [&](const DistanceField* field) {
+    if (field && !found.up) found.up = field->provenance().up;
   };
-  for (const MeshLayer& mesh : drawing.meshes) known.push_back(mesh.up);
-  for (const SliceLayer& slice : drawing.slices) add(slice.field);
-  for (const BandLayer& band : drawing.bands) add(band.field);
-  found.up = first_up(known, drawing.meshes.empty() ? nullptr : &drawing.meshes[0].mesh);
+  for (const MeshLayer& mesh : drawing.meshes)
+    if (!found.up) found.up = mesh.up;
+  for (const SliceLayer& slice : drawing.slices) try_field(slice.field);
+  for (const BandLayer& band : drawing.bands) try_field(band.field);
+  if (!found.up) found.up = drawing.meshes.empty() ? Axis::z : up_axis(drawing.meshes[0].mesh);
   return found;
 }
 

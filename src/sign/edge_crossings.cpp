@@ -169,7 +169,7 @@ std::vector<EdgeCrossing> edge_crossings(MeshView mesh, const Grid& grid, const 
     crossings.reserve(count);
     found.for_each(
         [&](const FoundCrossings& some) { crossings.insert(crossings.end(), some.all().begin(), some.all().end()); });
-    progress.stage("sort", 1, 0.8, 1);
+    progress.stage("sorting", 1, 0.8, 1);
     sort(crossings);
   });
   progress.stage("done", 1, 1, 1);

@@ -239,7 +239,7 @@ Counts run_in_boxes(const Job& job, Sink& sink, VisitedSamples* visited) {
 }
 
 Counts run_thesis(const Job& job, Sink& sink) {
-  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
   return run_in_boxes(job, sink, visited_samples);
 }
 

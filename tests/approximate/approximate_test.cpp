@@ -181,7 +181,7 @@ TEST(Spreading, LongGridsTakeNoTime) {
 TEST(Spreading, CanBeCancelledWhileItSeeks) {
   const Mesh mesh = testing::random_soup(13, 3000, 5, 10);
   const Grid grid{{40, 40, 40}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
-  for (const std::string stage : {"seed", "spread"}) {
+  for (const std::string stage : {"seeds", "distances"}) {
     ComputeOptions options{.method = Method::jumpflood};
     options.execution.backend = Backend::cpu;
     options.progress = [&](const Progress& now) { return std::string(now.stage) != stage; };

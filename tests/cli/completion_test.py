@@ -4,13 +4,17 @@
 shells. What needs zsh, fish or a program that checks pages is skipped, with a line, where there is none."""
 
 import os
+import pty
 import re
+import select
 import shutil
+import signal
 import subprocess
 import unittest
 from pathlib import Path
 
 STANDOFF = os.environ["STANDOFF"]
+HOME_HERE = dict(os.environ, HOME=os.getcwd())
 
 
 def run(*arguments):
@@ -45,7 +49,7 @@ class Completion(unittest.TestCase):
             '((${#COMPREPLY[@]})) && printf "%s\\n" "${COMPREPLY[@]}"; true'
         )
         ran = subprocess.run(
-            ["bash", "--norc", "-c", script, "bash", *words], check=True, capture_output=True, text=True
+            ["bash", "--norc", "-c", script, "bash", *words], check=True, capture_output=True, text=True, env=HOME_HERE
         )
         self.assertEqual(ran.stderr, "")
         return set(ran.stdout.splitlines())
@@ -84,6 +88,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.bash("compute", "--sign", "flood", "b"), {"bunny.obj"})
         self.assertEqual(self.bash("compute", "-o", "=", "x.vti", "b"), {"bunny.obj"})
         self.assertEqual(self.bash("compute", "--", "-"), set())
+        self.assertEqual(self.bash("compute", "~/fold"), {"~/folder"})
 
     def test_bash_offers_names(self):
         self.assertIn("winding", self.bash("compute", "--sign", ""))
@@ -97,7 +102,7 @@ class Completion(unittest.TestCase):
             self.assertIn(f"\n    '{verb}:", SCRIPTS["zsh"])
             part = SCRIPTS["zsh"].split(f"\n    {verb})\n")[1].split("\n      ;;")[0]
             self.assertEqual(
-                [name for name in OPTIONS[verb] if not re.search(rf"[{{,'(]{name}[}},\[]", part)], [], verb
+                [name for name in OPTIONS[verb] if not re.search(rf"[{{,'(]{name}[=+]?[}},\[]", part)], [], verb
             )
 
     def test_fish_has_every_verb_and_option(self):
@@ -115,11 +120,46 @@ class Completion(unittest.TestCase):
         ran = subprocess.run(["zsh", "-fc", script], check=True, capture_output=True, text=True)
         self.assertEqual((ran.stdout, ran.stderr), ("_standoff\n", ""))
 
+    @needs("zsh")
+    def test_zsh_completes(self):
+        """What becomes of a line at zsh's own terminal when its end is completed."""
+        setup = (
+            "PROMPT= PS2= RPS1=; autoload -U compinit; compinit -D -u; source ./completion.zsh; "
+            "show() { print -r -- \"<$BUFFER>\" }; zle -N show; bindkey '^X' show; print RE''ADY\n"
+        )
+
+        def becomes(line):
+            process, terminal = pty.fork()
+            if process == 0:
+                os.execvpe("zsh", ["zsh", "-fi"], {**os.environ, "TERM": "dumb"})
+
+            def until(pattern):
+                said = ""
+                while not (found := re.search(pattern, said)):
+                    self.assertTrue(select.select([terminal], [], [], 20)[0], said)
+                    said += os.read(terminal, 4096).decode(errors="replace")
+                return found
+
+            try:
+                os.write(terminal, setup.encode())
+                until("READY\r\n")
+                os.write(terminal, line.encode() + b"\t\x18")
+                return until("<(standoff[^>]*)>")[1]
+            finally:
+                os.close(terminal)
+                os.kill(process, signal.SIGKILL)
+                os.waitpid(process, 0)
+
+        self.assertEqual(becomes("standoff compute --sign=flo").strip(), "standoff compute --sign=flood")
+        self.assertEqual(becomes("standoff compute --sign flo").strip(), "standoff compute --sign flood")
+        self.assertEqual(becomes("standoff compute -- bunny.o").strip(), "standoff compute -- bunny.obj")
+        self.assertEqual(becomes("standoff compute -- --reso").strip(), "standoff compute -- --reso")
+
     @needs("fish")
     def test_fish_completes(self):
         def offered(line):
             script = f"source completion.fish; complete -C '{line}'"
-            home = dict(os.environ, HOME=os.getcwd(), XDG_CONFIG_HOME=os.getcwd(), XDG_DATA_HOME=os.getcwd())
+            home = dict(HOME_HERE, XDG_CONFIG_HOME=os.getcwd(), XDG_DATA_HOME=os.getcwd())
             ran = subprocess.run(["fish", "-N", "-c", script], check=True, capture_output=True, text=True, env=home)
             return {row.split("\t")[0] for row in ran.stdout.splitlines()}
 
@@ -129,6 +169,8 @@ class Completion(unittest.TestCase):
         self.assertTrue({"--resolution", "--sign"} <= offered("standoff compute --"))
         self.assertEqual(offered("standoff points bunny.obj p"), {"p.csv", "part.STL"})
         self.assertIn("winding", offered("standoff compute --sign "))
+        self.assertEqual(offered('standoff compute "two w'), {"two words.obj"})
+        self.assertEqual(offered("standoff compute ~/fold"), {"~/folder/"})
 
     def test_the_manual_has_every_verb_and_option(self):
         self.assertEqual(run("man", "--list").split(), VERBS)

@@ -60,6 +60,14 @@ TEST_F(Compute, WarnsOfAThicknessThatWasMeantInSamples) {
   for (const char* thickness : {"3s", "inf", "3.0", "0.5", "100", "1e0"}) EXPECT_FALSE(warns(thickness)) << thickness;
   EXPECT_FALSE(warns("3 --scale 20")) << "3 of 54";
   EXPECT_TRUE(done(words("compute scene:box -r 20 -t 2 --dry-run")).says("for 2 samples give -t 2s"));
+  EXPECT_TRUE(done(words("view scene:box -r 20 -q -t 3 -o box.html")).says("for 3 samples give -t 3s"));
+  for (const char* mesh : {"meshes/a.stl", "meshes/b.stl"}) {
+    std::filesystem::create_directory(folder / "meshes");
+    done(words(std::string("generate box -q -o ") + mesh));
+  }
+  const std::string warned = done(words("batch meshes -o out -r 20 -q -t 3")).err;
+  EXPECT_EQ(warned.find("for 3 samples give -t 3s"), warned.rfind("for 3 samples give -t 3s")) << "once: " << warned;
+  EXPECT_NE(warned.find("stl: --thickness 3 is 3 world units"), warned.npos) << warned;
 }
 
 TEST_F(Compute, EveryFormatHoldsTheSameField) {

@@ -89,8 +89,6 @@ TEST(TimeLeft, Words) {
   EXPECT_EQ(time_left_text(7.6), "8 s left");
   EXPECT_EQ(time_left_text(200), "3 min left");
   EXPECT_EQ(time_left_text(7200), "2 h left");
-  EXPECT_EQ(stage_text("gather"), "distances");
-  EXPECT_EQ(stage_text("12 meshes, 1 failed"), "12 meshes, 1 failed");
 }
 
 }  // namespace

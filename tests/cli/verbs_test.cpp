@@ -330,6 +330,13 @@ TEST_F(Verbs, ConvertMeshes) {
               1e-12);
   done(words("convert cm.ply -o cm.ply -f --scale 100"));
   EXPECT_EQ(read_mesh(folder / "cm.ply").mesh.triangles.size(), triangles);
+  // glTF's y is up, as STL's z is; its unit is the metre, as far as that is known.
+  done(words("generate catapult -q -o catapult.stl"));
+  EXPECT_TRUE(done(words("convert catapult.stl -o catapult.glb")).says("is unknown: .glb takes it for metres"));
+  EXPECT_FALSE(done(words("convert catapult.stl -f -o catapult.glb --unit m")).says("unknown"));
+  const Box lies = bounds(read_mesh(folder / "catapult.stl").mesh),
+            stands = bounds(read_mesh(folder / "catapult.glb").mesh);
+  EXPECT_EQ(stands.extent(), (Vec3{lies.extent().x, lies.extent().z, lies.extent().y}));
 }
 
 TEST_F(Verbs, ConvertFields) {

@@ -115,8 +115,8 @@ TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
     options.progress = [&](const Progress& progress) {
       EXPECT_GE(progress.fraction, last);
       EXPECT_LE(progress.fraction, 1);
-      EXPECT_TRUE(std::string("prepare bin gather hash done ").find(progress.stage + std::string(" ")) !=
-                  std::string::npos)
+      EXPECT_TRUE(std::string("preparing the mesh,sorting the triangles,distances,checksum,done,")
+                      .find(progress.stage + std::string(",")) != std::string::npos)
           << progress.stage;
       if (stages.empty() || stages.back() != progress.stage) stages.push_back(progress.stage);
       last = progress.fraction;
@@ -127,8 +127,8 @@ TEST(Compute, ProgressNeverFallsAndEndsAtOne) {
     EXPECT_EQ(last, 1);
     EXPECT_GT(calls, 10);
     ASSERT_GT(stages.size(), 2u);
-    EXPECT_EQ(stages.front(), "prepare");
-    EXPECT_EQ(stages[stages.size() - 2], "hash") << "nothing is left to do after the end";
+    EXPECT_EQ(stages.front(), "preparing the mesh");
+    EXPECT_EQ(stages[stages.size() - 2], "checksum") << "nothing is left to do after the end";
     EXPECT_EQ(stages.back(), "done");
   }
 }
@@ -152,7 +152,7 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
     ComputeOptions options{.sign = {SignMethod::none}};
     options.execution.threads = 1;
     options.progress = [&](const Progress& progress) {
-      before_bricks += progress.stage == std::string("gather") && progress.fraction == 0.2;
+      before_bricks += progress.stage == std::string("distances") && progress.fraction == 0.2;
       return before_bricks < 3;
     };
     expect_error([&] { compute(mesh, kComputeGrid, thickness, options); }, ErrorCode::interrupted, "cancelled");
@@ -217,7 +217,7 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
 TEST(Compute, HashesTheMeshWhereItIsWanted) {
   ComputeOptions options{.sign = {SignMethod::none}};
   options.hash_mesh = false;
-  options.progress = [](const Progress& progress) { return progress.stage != std::string("hash"); };
+  options.progress = [](const Progress& progress) { return progress.stage != std::string("checksum"); };
   const DistanceField field = compute(soup(), kComputeGrid, 1, options).field;
   EXPECT_EQ(field.provenance().mesh_hash, 0u);
   EXPECT_EQ(field.provenance().method, "tiles");

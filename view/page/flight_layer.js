@@ -125,7 +125,7 @@ export class FlightLayer {
 
   shape(data) {
     const {gl} = this, type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
-    const positions = makeBuffer(gl, data.lattice), normals = makeBuffer(gl, normalsOf(data.lattice, data.corners, data.vertices));
+    const positions = makeBuffer(gl, data.lattice), normals = makeBuffer(gl, normalsOf(data));
     const array = indices => {
       const made = gl.createVertexArray();
       gl.bindVertexArray(made);
@@ -165,9 +165,9 @@ export class FlightLayer {
     this.drawBodies(frame, this.fly, false);
     gl.enable(gl.BLEND);
     if (this.pathsShown && this.segmentCount) {
-      const {canvas} = gl;
-      this.pathProgram.use({segments: this.segments, camera: frame.uniforms.camera, pixels: [canvas.width / 2, canvas.height / 2],
-        width: 1.7 * Math.min(2, devicePixelRatio || 1), markColor: this.look.ink});
+      const {clientWidth, clientHeight} = gl.canvas;
+      this.pathProgram.use({segments: this.segments, camera: frame.uniforms.camera, pixels: [clientWidth / 2, clientHeight / 2],
+        width: 1.7, markColor: this.look.ink});
       gl.bindVertexArray(this.noArray);
       gl.drawArrays(gl.TRIANGLES, 0, 6 * this.segmentCount);
     }

@@ -60,6 +60,7 @@ class LiveField {
     try {
       const answer = await asked(`compute?${query}`, {method: 'POST'});
       const blob = await unpacked(await answer.arrayBuffer());
+      await this.meshShown;
       if (this.busy !== began) return;
       this.viewer.setUnpacked('computed', blob);
       this.took = performance.now() - began;
@@ -128,7 +129,7 @@ sources.server = async viewer => {
   const live = viewer.live = new LiveField(viewer, state.live);
   viewer.askExact = async point => (await asked(`point?at=${point.join(',')}`)).json();
   events.onmessage = e => live.hear(JSON.parse(e.data));
-  await live.showMesh();
+  live.meshShown = live.showMesh();  // the field is computed while the mesh is on its way
   takeDrops(viewer, live);
-  await live.send();
+  await Promise.all([live.meshShown, live.send()]);
 };

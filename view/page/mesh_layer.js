@@ -73,6 +73,18 @@ void main() {
   pixel = vec4(lit(base, n, view, open) * alpha, alpha);
 }`;
 
+// Of a stand-in made of cells: each triangle is about as small as a pixel, and what normals would add is not seen.
+const quickFragmentOf = ({cut}) => `${kLightShader}${cut ? kCutShader : ''}
+in vec3 at;
+uniform vec3 color;
+out vec4 pixel;
+void main() {
+  ${cut ? 'if (cut_away(at)) discard;' : ''}
+  vec3 n = normalize(cross(dFdx(at), dFdy(at)));
+  float lamp = dot(n, view_of(at)) < 0.0 ? -dot(n, keyLight) : dot(n, keyLight);
+  pixel = vec4(color * (0.45 + 0.64 * max(lamp, 0.0)), 1.0);
+}`;
+
 // One colour.
 const plainFragmentOf = ({cut}) => `${cut ? kCutShader : ''}
 in vec3 at;
@@ -88,14 +100,17 @@ const kPiece = 400000;
 // A mesh of no more triangles than this is always drawn whole.
 const kFew = 70000;
 const kFewest = 20000;    // of a stand-in: with less nothing would be told apart
+const kBegin = 96;        // cells along the longest side: none is larger than some pixels
 const kLineLight = 0.72;  // of lines that stand in for beams: as bright as those are
+const kHollow = 0.75;     // of a stand-in whose hollows will be shaded: about as bright as it will be
 
 export class MeshLayer {
   constructor(gl) {
     this.gl = gl;
     this.programs = new Map();  // by the text of their second half
     this.meshes = new Map();
-    this.budget = kFew;  // triangles and lines of a stand-in
+    gl.vertexAttrib4f(1, 0, 0, 0, 0);  // without normals surfaces are flat
+    this.budget = 150000;  // triangles and lines of a stand-in
   }
 
   set(id, data) {
@@ -107,17 +122,9 @@ export class MeshLayer {
       this.meshes.delete(id);
     }
     if (!data) return;
-    const positions = makeBuffer(gl, data.lattice);
-    const normalNumbers = normalsOf(data.lattice, data.corners, data.vertices), normals = makeBuffer(gl, normalNumbers);
-    const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
-    const attributes = [[0, positions, 3, type], [1, normals, 4, gl.SHORT, true]];
-    gl.bindVertexArray(null);
-    const whole = makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER);
-    const mesh = {data, attributes, buffers: [positions, normals, whole], whole: makeArray(gl, attributes, whole), arrays: []};
-    mesh.arrays.push(mesh.whole);
+    const mesh = {data, cells: kCells.indexOf(kBegin), buffers: [], arrays: []};
     this.meshes.set(id, mesh);
     if (data.triangles <= kFew && !data.proxy) return;
-    Object.assign(mesh, {normals: normalNumbers, cells: kCells.indexOf(64)});
     this.build(mesh);
     if (data.proxy) return;
     while (mesh.cells > 0 && mesh.size > 1.5 * this.budget) {
@@ -126,18 +133,32 @@ export class MeshLayer {
     }
   }
 
+  // What draws the whole mesh, made when that is first drawn: a stand-in is soon there.
+  whole(mesh) {
+    const {gl} = this, {data} = mesh;
+    if (mesh.whole) return mesh.whole;
+    gl.bindVertexArray(null);
+    mesh.buffers = [makeBuffer(gl, data.lattice), makeBuffer(gl, normalsOf(data)), makeBuffer(gl, data.corners, gl.ELEMENT_ARRAY_BUFFER)];
+    mesh.attributes = this.attributes(data, ...mesh.buffers);
+    mesh.arrays.push(mesh.whole = makeArray(gl, mesh.attributes, mesh.buffers[2]));
+    return mesh.whole;
+  }
+  attributes({bits}, places, normals) {
+    const {gl} = this, there = [[0, places, 3, bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT]];
+    return normals ? [...there, [1, normals, 4, gl.SHORT, true]] : there;
+  }
+
   // The stand-in of a mesh, anew.
   build(mesh) {
-    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data, mesh.normals) : standIn(data, mesh.normals, kCells[mesh.cells]);
-    const type = data.bits === 16 ? gl.UNSIGNED_SHORT : gl.FLOAT;
+    const {gl} = this, {data} = mesh, made = data.proxy ? partOf(data) : standIn(data, kCells[mesh.cells]);
     for (const buffer of mesh.standIn?.buffers ?? []) gl.deleteBuffer(buffer);
     for (const array of mesh.standIn?.arrays ?? []) gl.deleteVertexArray(array);
-    const buffers = [makeBuffer(gl, made.lattice), makeBuffer(gl, made.normals)];
-    const attributes = [[0, buffers[0], 3, type], [1, buffers[1], 4, gl.SHORT, true]];
     gl.bindVertexArray(null);
-    for (const indices of [made.triangles, made.lines]) buffers.push(makeBuffer(gl, indices, gl.ELEMENT_ARRAY_BUFFER));
-    const arrays = [2, 3].map(n => makeArray(gl, attributes, buffers[n]));
-    mesh.standIn = {buffers, arrays, triangles: made.triangles.length / 3, lines: made.lines.length / 2};
+    const buffers = [made.lattice, ...made.normals ? [made.normals] : []].map(numbers => makeBuffer(gl, numbers));
+    const attributes = this.attributes(data, ...buffers);
+    const indices = [made.triangles, made.lines].map(list => makeBuffer(gl, list, gl.ELEMENT_ARRAY_BUFFER));
+    const arrays = indices.map(list => makeArray(gl, attributes, list));
+    mesh.standIn = {made, arrays, buffers: [...buffers, ...indices], triangles: made.triangles.length / 3, lines: made.lines.length / 2};
     mesh.size = mesh.standIn.triangles + mesh.standIn.lines;
   }
 
@@ -175,13 +196,14 @@ export class MeshLayer {
     const first = few || piece < 0 ? 0 : 3 * kPiece * piece, most = 3 * (few ?? mesh.data).triangles;
     const count = piece < 0 ? most - first : Math.min(3 * kPiece, most - first);
     if (count <= 0 && !few) return;
-    gl.bindVertexArray(few ? few.arrays[0] : mesh.whole);
+    gl.bindVertexArray(few ? few.arrays[0] : this.whole(mesh));
     gl.enable(gl.POLYGON_OFFSET_FILL);
     // Room for edges over it. Towards a silhouette the slope grows without bound, and what is behind would come forward.
     gl.polygonOffset(look.edges === 'none' ? 0 : 1, 1);
     const occluded = look.occluded && !frame.moving, cut = frame.cuts;
     for (const body of bodies ?? [{}]) {
-      const opacity = body.opacity ?? look.opacity, color = body.color ?? look.color;
+      const opacity = body.opacity ?? look.opacity, light = few && look.occluded ? kHollow : 1;
+      const color = (body.color ?? look.color).map(v => light * v);
       const values = {
         ...frame.uniforms, body: body.matrix ?? identity(), meshOrigin: frame.toScene(mesh.data.origin),
         meshStep: mesh.data.step * frame.scale, color, backColor: few ? color : look.backColor,
@@ -196,7 +218,8 @@ export class MeshLayer {
         gl.depthFunc(gl.LEQUAL);
         gl.enable(gl.BLEND);
       }
-      this.program(fragmentOf({field: look.colored || occluded, cut})).use(values);
+      const quick = few && !mesh.data.proxy && opacity === 1 && !look.colored;
+      this.program(quick ? quickFragmentOf({cut}) : fragmentOf({field: look.colored || occluded, cut})).use(values);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 4 * first);
       gl.depthFunc(gl.LESS);
       if (few?.lines) {
@@ -217,7 +240,7 @@ export class MeshLayer {
     const lines = this.program(plainFragmentOf({cut: true}));
     if (mesh.edgeList !== edges) {
       mesh.edgeList = edges;
-      gl.bindVertexArray(null);
+      this.whole(mesh);
       const buffer = makeBuffer(gl, edges, gl.ELEMENT_ARRAY_BUFFER);
       mesh.buffers.push(buffer);
       mesh.edges = makeArray(gl, mesh.attributes, buffer);

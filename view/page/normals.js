@@ -7,7 +7,7 @@ const kCrease = 0.6;
 
 /// Four numbers of 16 bits a vertex: the normal, weighted by angles nowhere (areas suffice for pictures), and whether
 /// it stands for all faces around (1) or not (0).
-export function normalsOf(lattice, corners, vertices) {
+export function normalsOf({lattice, corners, vertices}) {
   const sum = new Float32Array(3 * vertices), faces = new Float32Array(corners.length);
   for (let n = 0; n < corners.length; n += 3) {
     const a = 3 * corners[n], b = 3 * corners[n + 1], c = 3 * corners[n + 2];

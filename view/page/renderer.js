@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// When and how finely the picture is drawn: quickly while something moves; at rest the whole, smoothed over several
-// passes that are offset by parts of a pixel.
+// When and how finely the picture is drawn: quickly while something moves, and of fewer pixels where that takes long, which
+// the browser enlarges; at rest the whole, smoothed over several passes that are offset by parts of a pixel.
 import {makeArray, makeProgram} from './gl.js';
 
 const kRest = 160;            // milliseconds without a change after which the picture is at rest
-const kQuick = 45, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
-const kCoarsest = 0.4;
+const kQuick = 50, kIdle = 14;  // a moving frame that takes longer is drawn more coarsely, a shorter one more finely
+const kCoarsest = 0.4, kFirst = 0.5;  // the first picture is soon there, before anyone knows how fast it is drawn
 const kFrames = 6;            // moving frames at the coarsest, or at the finest, after which fewer triangles are drawn, or more
 const kPasses = 10;
 const kSmoothing = 2500;      // milliseconds that smoothing may take
@@ -22,7 +22,7 @@ export class Renderer {
     this.smooths = Boolean(gl.getExtension('EXT_color_buffer_float'));
     this.copy = makeProgram(gl, kCover, kCopy);
     this.cover = makeArray(gl, []);
-    this.coarse = 1;
+    this.coarse = kFirst;
     this.most = kPasses;
     this.changed = 0;
     this.held = false;    // whether the fine picture has to wait, because something new comes soon
@@ -73,14 +73,10 @@ export class Renderer {
   }
 
   measured(now) {
-    if (this.whole && !this.shown) {
-      performance.mark('first picture');
-      this.shown = true;
-    }
     this.gl.deleteSync(this.fence);
     this.fence = null;
     const took = now - this.began;
-    if (this.kind === 'moving') {
+    if (this.kind === 'moving' && this.shown) {
       this.frames.push(took);
       if (this.frames.length > 30) this.frames.shift();
       this.slow = took > kQuick && this.coarse === kCoarsest ? this.slow + 1 : 0;
@@ -90,6 +86,9 @@ export class Renderer {
     } else {
       this.passTook += took;
     }
+    if (!this.whole || this.shown) return;
+    performance.mark('first picture');
+    this.shown = true;  // before, programs were made: that says nothing of frames to come
   }
 
   begin(now, kind) {
@@ -102,17 +101,14 @@ export class Renderer {
     this.gl.flush();
   }
 
-  fit() {
-    const {canvas} = this.gl, ratio = Math.min(devicePixelRatio || 1, 2);
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  size(share) {
+    const {clientWidth, clientHeight} = this.gl.canvas, ratio = share * Math.min(devicePixelRatio || 1, 2);
+    return [clientWidth, clientHeight].map(v => Math.max(1, Math.round(v * ratio)));
   }
 
   moving(now) {
-    const {gl} = this;
+    const {gl} = this, size = this.size(this.coarse);
     this.begin(now, 'moving');
-    this.fit();
-    const size = [gl.canvas.width, gl.canvas.height].map(v => Math.max(1, Math.round(v * this.coarse)));
     const target = this.target('quick', size, gl.RGBA8);
     this.clear(target);
     this.drawViews(size, [0, 0], {moving: true, piece: 0, last: true});
@@ -123,7 +119,7 @@ export class Renderer {
 
   // One piece of one pass of the picture at rest.
   resting(now) {
-    const {gl} = this, size = [gl.canvas.width, gl.canvas.height];
+    const {gl} = this, size = this.size(1);
     this.begin(now, 'resting');
     const target = this.target('quick', size, gl.RGBA8), pieces = this.pieces();
     if (this.piece === 0) {
@@ -178,9 +174,10 @@ export class Renderer {
   }
 
   present(target, share) {
-    const {gl} = this;
+    const {gl} = this, {canvas} = gl, [width, height] = target.size;
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = target.size;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, gl.canvas.width, gl.canvas.height);
+    gl.viewport(0, 0, width, height);
     gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
     this.cast(target, share);

@@ -11,6 +11,8 @@ import {surfaceOf} from './surface_nets.js';
 import {emptyBox, joined, length, middle, normalized, add, scaled} from './vec.js';
 
 const kHuge = 1e29;
+// The smallest of meshes.
+const kSpeck = {lattice: new Uint16Array(9), corners: Uint32Array.of(0, 1, 2), vertices: 3, triangles: 1, bits: 16, origin: [0, 0, 0], step: 1};
 
 export class Scene {
   constructor(gl, config, look) {
@@ -131,8 +133,8 @@ export class Scene {
     return values;
   }
 
-  /// Draws one view. `view`: {matrix, camera, fields, difference, range, colormap}; `pass`: {moving, piece}.
-  draw(view, pass) {
+  // What layers need of one view, and the planes of slices: {frame, planes}.
+  frameOf(view, pass) {
     const {look} = this, {camera} = view, {right, upward, back} = camera.axes();
     const cut = [0, 0, 0], cutAt = [0, 0, 0], eye = camera.eye();
     const planes = [];
@@ -153,7 +155,21 @@ export class Scene {
         diverging: view.diverging, logarithmic: view.logarithmic, cutSide: cut, cutAt, clip: this.clipPlane(),
       },
     };
-    const solid = look.mesh.opacity >= 1;
+    return {frame, planes};
+  }
+
+  /// Draws next to nothing with what most pictures need: graphics make their programs ready while data are on their way.
+  warm(view) {
+    const {frame} = this.frameOf(view, {moving: true}), black = [0, 0, 0];
+    this.meshLayer.set('speck', kSpeck);
+    this.meshLayer.draw('speck', {...frame, cuts: true}, {...this.look.mesh, color: black});
+    this.meshLayer.set('speck', null);
+    this.sliceLayer.draw(frame, this.box, [{axis: 0, where: 0, color: black}], {contourStep: 1, zeroLine: false});
+  }
+
+  /// Draws one view. `view`: {matrix, camera, fields, difference, range, colormap}; `pass`: {moving, piece}.
+  draw(view, pass) {
+    const {look} = this, {frame, planes} = this.frameOf(view, pass), solid = look.mesh.opacity >= 1;
     const meshes = () => {
       if (!look.mesh.shown) return;
       for (const id of this.meshes.keys())

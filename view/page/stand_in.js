@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that share a cell of a lattice become
-// one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line stays, as a line: beams and wires
-// thinner than a cell would be gone. No vertex moves farther than a cell's diagonal.
+// Fewer triangles in place of a large mesh, to draw while something moves. A mesh may bring them along; else vertices that
+// share a cell of a lattice become one (vertex clustering, Rossignac and Borrel 1993). A triangle that collapses to a line
+// stays, as a line: beams and wires thinner than a cell would be gone. No vertex moves farther than a cell is wide.
+import {normalsOf} from './normals.js';
 
-/// Cells along the longest side, the coarsest first.
+/// Cells along the longest side, the coarsest first; of as many cubes as there are cells.
 export const kCells = [32, 48, 64, 96, 128, 192, 256, 384, 512];
 
 // A set of rows of whole numbers, which keeps them in the order of their coming.
@@ -46,9 +47,10 @@ class Rows {
   get all() { return this.rows.slice(0, this.width * this.count); }
 }
 
-// For each vertex the number of its cell, counted by first appearance; and how many there are.
+// For each vertex the number of its cell, counted by first appearance; and how many there are. Cells are around the points of
+// a body-centred lattice: of all lattices its cells reach least far for what they hold. Points of it are the mesh's corners.
 function clustersOf(lattice, vertices, most, cells) {
-  const share = cells / (most + 1), cluster = new Uint32Array(vertices);
+  const share = cells / 1.26 / (most + 1), side = Math.ceil(cells / 1.26) + 1, cluster = new Uint32Array(vertices);
   let table = new Int32Array(1 << 14).fill(-1), keys = new Int32Array(1 << 13), count = 0;
   const find = key => {
     let at = Math.imul(key, 0x9e3779b1) >>> 0;
@@ -56,8 +58,10 @@ function clustersOf(lattice, vertices, most, cells) {
     return at;
   };
   for (let n = 0, last = -1; n < vertices; ++n) {
-    const x = Math.floor(lattice[3 * n] * share), y = Math.floor(lattice[3 * n + 1] * share), z = Math.floor(lattice[3 * n + 2] * share);
-    const key = x + cells * (y + cells * z);
+    const x = lattice[3 * n] * share, y = lattice[3 * n + 1] * share, z = lattice[3 * n + 2] * share;
+    const a = Math.round(x), b = Math.round(y), c = Math.round(z), i = Math.floor(x), j = Math.floor(y), k = Math.floor(z);
+    const corner = (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2, middle = (x - i - 0.5) ** 2 + (y - j - 0.5) ** 2 + (z - k - 0.5) ** 2;
+    const key = corner <= middle ? 2 * (a + side * (b + side * c)) : 2 * (i + side * (j + side * k)) + 1;
     if (key === last) {  // as of most vertices
       cluster[n] = cluster[n - 1];
       continue;
@@ -80,29 +84,17 @@ function clustersOf(lattice, vertices, most, cells) {
   return {cluster, count};
 }
 
-/// A mesh (mesh_data.js) of so many cells: {lattice, normals, vertices, triangles, lines}: places on the mesh's lattice,
-/// normals as normalsOf() makes them, of no weight where faces of a cell face all ways, and indices.
-export function standIn(data, normals, cells) {
-  const {lattice, corners, vertices, bits} = data;
+/// A mesh (mesh_data.js) of so many cells: {lattice, vertices, triangles, lines}: places on the mesh's lattice, and indices.
+export function standIn({lattice, corners, vertices, bits}, cells) {
   const {cluster, count} = clustersOf(lattice, vertices, 2 ** bits - 1, cells);
-  const sums = new Float64Array(6 * count), sizes = new Uint32Array(count);
-  for (let n = 0; n < vertices; ++n) {
-    const at = 6 * cluster[n];  // written out: a loop over three takes twice as long
-    sums[at] += lattice[3 * n];
-    sums[at + 1] += lattice[3 * n + 1];
-    sums[at + 2] += lattice[3 * n + 2];
-    sums[at + 3] += normals[4 * n];
-    sums[at + 4] += normals[4 * n + 1];
-    sums[at + 5] += normals[4 * n + 2];
-    ++sizes[cluster[n]];
-  }
-  const places = new lattice.constructor(3 * count), averages = new Int16Array(4 * count);
-  for (let n = 0; n < count; ++n) {
-    const [x, y, z] = [3, 4, 5].map(k => sums[6 * n + k] / sizes[n]), size = Math.hypot(x, y, z) || 1;
-    for (let k = 0; k < 3; ++k) places[3 * n + k] = Math.round(sums[6 * n + k] / sizes[n]);
-    averages.set([x, y, z].map(v => v / size * 32767), 4 * n);
-    averages[4 * n + 3] = Math.max(0, 2 * size - 32767);  // half of the way together: as good as none
-  }
+  // The middle of the box around a cell's vertices: their mean may be twice as far from one of them.
+  const least = new Float32Array(3 * count).fill(Infinity), most = new Float32Array(3 * count);
+  for (let n = 0; n < vertices; ++n)
+    for (let from = 3 * n, to = 3 * cluster[n], k = 0; k < 3; ++k, ++from, ++to) {
+      if (lattice[from] < least[to]) least[to] = lattice[from];
+      if (lattice[from] > most[to]) most[to] = lattice[from];
+    }
+  const places = lattice.constructor.from(least, (v, n) => Math.round((v + most[n]) / 2));
   const triangles = new Rows(3), lines = new Rows(2), edges = new Rows(2);
   for (let n = 0; n < corners.length; n += 3) {
     let a = cluster[corners[n]], b = cluster[corners[n + 1]], c = cluster[corners[n + 2]];
@@ -125,20 +117,18 @@ export function standIn(data, normals, cells) {
   const alone = [];
   for (let n = 0; n < 2 * lines.count; n += 2)
     if (!edges.has(lines.rows[n], lines.rows[n + 1])) alone.push(lines.rows[n], lines.rows[n + 1]);
-  return {lattice: places, normals: averages, vertices: count, triangles: triangles.all, lines: Uint32Array.from(alone)};
+  return {lattice: places, vertices: count, triangles: triangles.all, lines: Uint32Array.from(alone)};
 }
 
-/// The same of the fewer triangles that a mesh brings along, whose vertices get a list of their own: among all they would
-/// be far apart in memory.
-export function partOf({lattice, proxyCorners}, normals) {
+/// The same of the fewer triangles that a mesh brings along, with normals as normalsOf() makes them. Their vertices get a list
+/// of their own: among all they would be far apart in memory.
+export function partOf({lattice, proxyCorners}) {
   const number = new Map(), triangles = proxyCorners.map(v => {
     if (!number.has(v)) number.set(v, number.size);
     return number.get(v);
   });
-  const places = new lattice.constructor(3 * number.size), few = new Int16Array(4 * number.size);
-  for (const [v, n] of number) {
-    places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
-    few.set(normals.subarray(4 * v, 4 * v + 4), 4 * n);
-  }
-  return {lattice: places, normals: few, vertices: number.size, triangles, lines: new Uint32Array(0)};
+  const places = new lattice.constructor(3 * number.size);
+  for (const [v, n] of number) places.set(lattice.subarray(3 * v, 3 * v + 3), 3 * n);
+  const normals = normalsOf({lattice: places, corners: triangles, vertices: number.size});
+  return {lattice: places, normals, vertices: number.size, triangles, lines: new Uint32Array(0)};
 }

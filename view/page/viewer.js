@@ -48,8 +48,10 @@ export class Viewer {
     this.extraKeys = [];
     this.measures = false;  // whether the next click ends a distance, or begins one
     this.changed = this.changed.bind(this);
+    this.cold = true;  // nothing is there to be drawn
     this.buildOverlays();
     this.readTheme();
+    this.renderer.moving(performance.now());
     followPointers(this.canvas, this.camera, {
       changed: () => this.changed(), leave: () => this.hover(null),
       hover: (x, y) => this.hover([x, y]), click: (x, y) => this.readAt(x, y),
@@ -124,7 +126,7 @@ export class Viewer {
   /// Asked for the exact distance at a point of the world, if set: a promise of {distance, point, triangle}.
   askExact = null;
   /// Draws the picture again, quickly now and finely once nothing changes.
-  changed() { this.renderer.request(); }
+  changed() { if (!this.cold) this.renderer.request(); }
   /// Resolves when the picture is whole.
   settled() { return this.renderer.settled(); }
 
@@ -193,6 +195,7 @@ export class Viewer {
   }
 
   rebuild() {
+    this.cold = false;
     if (this.firstLook) {
       this.firstLook = false;
       const field = this.scene.field(0);
@@ -259,7 +262,9 @@ export class Viewer {
       gl.scissor(...box);
       const matrix = this.camera.matrix(this.aspectOf(view.rect), scene.radius, jitter.map((v, k) => v / view.rect[2 + k]));
       const pixelsPerUnit = this.camera.pixelsPerUnit(box[3], this.aspectOf(view.rect));
-      scene.draw({...view, matrix, pixelsPerUnit, camera: this.camera}, pass);
+      const seen = {...view, matrix, pixelsPerUnit, camera: this.camera};
+      if (this.cold) scene.warm(seen);
+      else scene.draw(seen, pass);
     }
     gl.disable(gl.SCISSOR_TEST);
   }

@@ -122,7 +122,7 @@ Body::Body(MeshView mesh, const BodyOptions& options) try {
   Threads(options.execution.threads).run([&] {
     progress.stage("fields", 2, 0, 0.7);
     data->field = collision::build_field_bounds(mesh, data->middle, spacing, options.execution, progress);
-    progress.stage("bvh", 1, 0.7, 0.9);
+    progress.stage("search tree", 1, 0.7, 0.9);
     data->bvh = collision::build_bvh(mesh, data->middle, progress);
     progress.stage("components", 1, 0.9, 1);
     data->components = collision::first_of_components(mesh, progress);

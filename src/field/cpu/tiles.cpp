@@ -277,7 +277,7 @@ std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lat
 }  // namespace
 
 Counts run_tiles(const Job& job, Sink& sink) {
-  job.progress.stage("gather", brick_count(job.grid), 0.2, 1);
+  job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
   if (!is_thin(job.grid, job.thickness)) return ThickBand(job).gather(job.grid, sink, job.progress);
   return run_thin_band(job, sink);
 }

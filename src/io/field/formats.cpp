@@ -58,7 +58,7 @@ FieldFile read_file(const std::filesystem::path& path, const FieldFormat& format
 FieldFile read(const std::filesystem::path& path, const FieldReadOptions& options, bool sidecars) {
   const FieldFormat& format = format_of(path, ErrorCode::input);
   ProgressMeter meter(options.progress);
-  meter.stage("read", 1, 0, 1);
+  meter.stage("reading", 1, 0, 1);
   const FieldRequest request{memory_limit_of(options.memory_limit), sidecars};
   try {
     FieldFile found =
@@ -80,7 +80,7 @@ void check_options(const std::filesystem::path& path, const FieldFormat& format,
 void write(const std::filesystem::path& path, const FieldFormat& format, const FieldSource& source,
            const FieldWriteOptions& options) {
   ProgressMeter meter(options.progress);
-  meter.stage("write", 1, 0, 1);
+  meter.stage("writing", 1, 0, 1);
   if (format.folder) return format.folder->write(path, source, options, meter);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);

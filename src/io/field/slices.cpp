@@ -118,7 +118,7 @@ DistanceField FieldSlices::read(std::int64_t first, std::int64_t count, const Fi
                                       " slices from slice " + std::to_string(first) + " on are not within the " +
                                       std::to_string(size.z) + " of the field; ask for a part of it");
   ProgressMeter meter(options.progress);
-  meter.stage("read", 1, 0, 1);
+  meter.stage("reading", 1, 0, 1);
   StoredField part = contents_->stored;
   part.sidecars.clear();
   part.grid = grid().window({0, 0, first}, {size.x, size.y, count});

@@ -157,7 +157,7 @@ MeshReadResult read_mesh(const std::filesystem::path& path, const MeshReadOption
     throw Error(ErrorCode::usage, "scale must be positive and finite; give 0.001 for millimetres to metres");
   try {
     ProgressMeter meter(options.progress);
-    meter.stage("read", 1, 0, 1);
+    meter.stage("reading", 1, 0, 1);
     const FileView file(path, FileView::Access::copy, meter);
     MeshReadResult found;
     found.mesh = read_any(file, found.report);
@@ -181,7 +181,7 @@ void write_mesh(const std::filesystem::path& path, MeshView mesh, const MeshWrit
     throw Error(ErrorCode::usage,
                 path.string() + ": metres per unit must be finite and not negative; give 0 where they are unknown");
   ProgressMeter meter(options.progress);
-  meter.stage("write", 1, 0, 1);
+  meter.stage("writing", 1, 0, 1);
   AtomicFile file(path, options.existing);
   file.watched_by(meter);
   format->write(file, mesh, options);

@@ -502,7 +502,7 @@ Mesh read_glb(const FileView& file) {
 
 constinit const MeshFormat kMeshGltf{"gltf",  "glTF", "glTF 2.0, JSON", is_gltf, in_metres<read_gltf>,
                                      nullptr, false,  Axis::y};
-constinit const MeshFormat kMeshGlb{
-    "glb", "GLB", "glTF 2.0, binary", is_glb, in_metres<read_glb>, as_they_are<write_glb>, false, Axis::y};
+constinit const MeshFormat kMeshGlb{"glb", "GLB",  "glTF 2.0, binary", is_glb, in_metres<read_glb>, write_glb,
+                                    false, Axis::y};
 
 }  // namespace standoff

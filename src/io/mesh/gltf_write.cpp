@@ -42,15 +42,16 @@ void write_numbers(AtomicFile& file, std::initializer_list<std::uint32_t> number
 
 }  // namespace
 
-void write_glb(AtomicFile& file, MeshView mesh) {
+void write_glb(AtomicFile& file, MeshView mesh, const MeshWriteOptions& options) {
   constexpr std::uint32_t kMagic = 0x46546c67, kVersion = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
   constexpr std::uint64_t kHeaders = 12 + 2 * 8, kMost = std::numeric_limits<std::uint32_t>::max();
   FloatPoint least, most;
   least.fill(std::numeric_limits<float>::max());
   most.fill(std::numeric_limits<float>::lowest());
   for (const Vec3& vertex : mesh.vertices) {
-    check_fits_floats(file, vertex, "GLB");
-    const FloatPoint floats = as_floats(vertex);
+    const Vec3 p = placed(vertex, options, Axis::y);
+    check_fits_floats(file, p, "GLB");
+    const FloatPoint floats = as_floats(p);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       least[axis] = std::min(least[axis], floats[axis]);
       most[axis] = std::max(most[axis], floats[axis]);
@@ -65,7 +66,7 @@ void write_glb(AtomicFile& file, MeshView mesh) {
   file.write(json.data(), json.size());
   write_numbers(file, {static_cast<std::uint32_t>(binary), kBinaryChunk});
   for (const Vec3& vertex : mesh.vertices) {
-    const FloatPoint floats = as_floats(vertex);
+    const FloatPoint floats = as_floats(placed(vertex, options, Axis::y));
     file.write(floats.data(), sizeof floats);
   }
   for (const Triangle& t : mesh.triangles) file.write(t.data(), sizeof t);

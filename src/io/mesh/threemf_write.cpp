@@ -48,24 +48,21 @@ class Attributes {
   std::string& text_;
 };
 
-// `metres` is 0 where the unit is unknown: the coordinates are taken for millimetres.
-std::string model_xml(MeshView mesh, double metres, bool y_up) {
+std::string model_xml(MeshView mesh, const MeshWriteOptions& options) {
   constexpr std::size_t kBytesOfVertex = 80, kBytesOfTriangle = 50;  // about
   std::string text;
   text.reserve(1000 + kBytesOfVertex * mesh.vertices.size() + kBytesOfTriangle * mesh.triangles.size());
   text += R"(<?xml version="1.0" encoding="UTF-8"?>
 <model unit=")" +
-          std::string(metres > 0 ? "meter" : "millimeter") +
+          std::string(options.metres_per_unit > 0 ? "meter" : "millimeter") +
           R"(" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 <metadata name="Application">standoff</metadata>
 <resources><object id="1" type="model"><mesh>
 <vertices>
 )";
-  const double scale = metres > 0 ? metres : 1;
   for (const Vec3& vertex : mesh.vertices) {
-    const Vec3 p = vertex * scale;
-    const Vec3 up = y_up ? Vec3{p.x, 0 - p.z, p.y} : p;
-    Attributes(text).add("<vertex x=\"", up.x).add(" y=\"", up.y).add(" z=\"", up.z);
+    const Vec3 p = placed(vertex, options, Axis::z);
+    Attributes(text).add("<vertex x=\"", p.x).add(" y=\"", p.y).add(" z=\"", p.z);
     text += "/>\n";
   }
   text += "</vertices>\n<triangles>\n";
@@ -101,7 +98,7 @@ void write_3mf(AtomicFile& file, MeshView mesh, const MeshWriteOptions& options)
   ZipWriter zip(file);
   add_member(zip, "[Content_Types].xml", kContentTypes);
   add_member(zip, "_rels/.rels", kRelationships);
-  add_member(zip, "3D/3dmodel.model", model_xml(mesh, options.metres_per_unit, options.y_up));
+  add_member(zip, "3D/3dmodel.model", model_xml(mesh, options));
   zip.finish();
 }
 

@@ -14,12 +14,23 @@
 
 namespace standoff {
 
-void write_glb(AtomicFile& file, MeshView mesh);
+void write_glb(AtomicFile& file, MeshView mesh, const MeshWriteOptions& options);
 void write_3mf(AtomicFile& file, MeshView mesh, const MeshWriteOptions& options);
 
 /// Throws Error{output}, "FILE: what; what to do".
 [[noreturn]] inline void fail_to_write(const AtomicFile& file, const std::string& message) {
   throw Error(ErrorCode::output, file.target().string() + ": " + message);
+}
+
+/// A point of the mesh in a format in which `up` points up, and in its unit: metres if those are known.
+inline Vec3 placed(Vec3 p, const MeshWriteOptions& options, Axis up) {
+  if (options.metres_per_unit > 0) p = p * options.metres_per_unit;
+  const Axis was = options.up.value_or(up);
+  if (was == up) return p;
+  Vec3 turned = p;
+  turned[static_cast<std::size_t>(up)] = p[static_cast<std::size_t>(was)];
+  turned[static_cast<std::size_t>(was)] = 0 - p[static_cast<std::size_t>(up)];
+  return turned;
 }
 
 inline std::array<float, 3> as_floats(Vec3 p) {

@@ -100,7 +100,7 @@ class LayerGatherer {
 
 void write_whole(const DistanceField& field, LayeredWriter& writer, ProgressMeter& meter) {
   const std::int64_t slices = field.grid().size.z;
-  meter.stage("write", slices, 0, 1);
+  meter.stage("writing", slices, 0, 1);
   for (std::int64_t slice = 0; slice < slices; slice += writer.slices()) {
     writer.write_layer(field, slice);
     meter.advance(writer.slices());

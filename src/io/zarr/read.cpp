@@ -155,7 +155,7 @@ class WindowReader {
   void read() {
     const Size3 size = window_.size(), regions = parts_of(size, region_);
     check_scratch();
-    meter_.stage("read", regions.count(), 0, 1);
+    meter_.stage("reading", regions.count(), 0, 1);
     Threads(0).run([&] {
       tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(regions.count()), [&](std::size_t n) {
         const Size3 first = times(part_at(n, regions), region_);

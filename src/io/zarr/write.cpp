@@ -284,7 +284,7 @@ void write_window(const StoreMetadata& store, const Size3& first, const Distance
   const Size3 begin{first.x / shard.x, first.y / shard.y, first.z / shard.z};
   const auto count = static_cast<std::size_t>(shards.count());
   const std::vector<const StoredLayout*> layouts = layouts_of(store);
-  meter.stage("write", static_cast<std::int64_t>(count * layouts.size()), 0, 1);
+  meter.stage("writing", static_cast<std::int64_t>(count * layouts.size()), 0, 1);
   Threads(threads).run([&] {
     tbb::parallel_for(std::size_t{0}, count * layouts.size(), [&](std::size_t n) {
       meter.check();

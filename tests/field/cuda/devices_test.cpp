@@ -63,7 +63,7 @@ TEST(Devices, TheFirstErrorEndsTheWork) {
   const Grid grid{{9, 9, 100}, {-2, -2, -2}, {0.5, 0.5, 0.1}};
   ComputeOptions options = on({0, 1});
   int calls = 0;
-  options.progress = [&](const Progress& now) { return std::string(now.stage) != "gather" || ++calls < 3; };
+  options.progress = [&](const Progress& now) { return std::string(now.stage) != "distances" || ++calls < 3; };
   expect_error([&] { compute(mesh, grid, 1, options); }, ErrorCode::interrupted, "cancelled");
 }
 

@@ -117,12 +117,28 @@ TEST(MeshFormats, GlbKeepsFloats) {
   for (std::size_t v = 0; v < read.vertices.size(); ++v) EXPECT_EQ(read.vertices[v], rounded(mesh.vertices[v]));
 }
 
+// y is up in glTF, whose unit is the metre.
+TEST(MeshFormats, GlbStandsUp) {
+  const TempFolder folder;
+  const Mesh mesh = blob(true);
+  for (const Axis up : {Axis::x, Axis::y, Axis::z}) {
+    write_mesh(folder / "mesh.glb", mesh, {.metres_per_unit = 0.5, .up = up});
+    const Mesh read = read_mesh(folder / "mesh.glb").mesh;
+    ASSERT_EQ(read.vertices.size(), mesh.vertices.size());
+    for (std::size_t v = 0; v < read.vertices.size(); ++v) {
+      const Vec3 p = mesh.vertices[v] * 0.5;
+      const Vec3 stands = up == Axis::x ? Vec3{-p.y, p.x, p.z} : up == Axis::y ? p : Vec3{p.x, p.z, -p.y};
+      EXPECT_EQ(read.vertices[v], rounded(stands));
+    }
+  }
+}
+
 // What is known of the coordinates goes into the file, so that reading gives the same ones; else a slicer gets the
 // same part as from STL: millimetres, z up.
 TEST(MeshFormats, ThreemfKeepsEveryBitInMetres) {
   const TempFolder folder;
   const Mesh mesh = blob(true);
-  write_mesh(folder / "mesh.3mf", mesh, {.metres_per_unit = 1, .y_up = true});
+  write_mesh(folder / "mesh.3mf", mesh, {.metres_per_unit = 1, .up = Axis::y});
   EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.vertices, mesh.vertices);
   EXPECT_EQ(read_mesh(folder / "mesh.3mf").mesh.triangles, mesh.triangles);
   write_mesh(folder / "unknown.3mf", mesh);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/beside.h"
+#include "cli/sidecar_options.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace standoff::cli {
 
-void Beside::add(const std::string& option, const std::string& text) {
+void SidecarOptions::add(const std::string& option, const std::string& text) {
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find(',', start), text.size());
     const std::size_t choice = parse_choice(option, text.substr(start, end - start),
@@ -23,21 +23,21 @@ void Beside::add(const std::string& option, const std::string& text) {
   }
 }
 
-void Beside::check(const FileOutput& output) const {
+void SidecarOptions::check(const FileOutput& output) const {
   if (nearest_)
     output.check_carries(field_formats(), &FileFormat::nearest, "cannot carry nearest triangles", "--with nearest");
   if (!kinds_.empty())
     output.check_carries(field_formats(), &FileFormat::sidecars, "can only carry distances", "--with");
 }
 
-std::int64_t Beside::bytes_per_sample() const {
+std::int64_t SidecarOptions::bytes_per_sample() const {
   std::int64_t bytes = 0;
   for (const SidecarKind kind : kinds_) bytes += standoff::bytes_per_sample(kind);
   return bytes;
 }
 
-std::vector<Sidecar> Beside::make(MeshView mesh, DistanceField& field, const Execution& execution,
-                                  const ProgressCallback& progress) const {
+std::vector<Sidecar> SidecarOptions::make(MeshView mesh, DistanceField& field, const Execution& execution,
+                                          const ProgressCallback& progress) const {
   if (kinds_.empty()) return {};
   std::vector<Sidecar> made =
       sidecars(mesh, field, kinds_, {.execution = {.threads = execution.threads}, .progress = progress});

@@ -2,6 +2,7 @@
 // What compute --with stores beside the distances: nearest triangles and sidecars.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,7 +13,11 @@
 
 namespace standoff::cli {
 
-class Beside {
+/// The sidecars that compute --with makes.
+inline constexpr std::array kSidecarKinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
+                                          SidecarKind::gradient};
+
+class SidecarOptions {
  public:
   /// Takes names with commas between them. Errors: usage.
   void add(const std::string& option, const std::string& text);
