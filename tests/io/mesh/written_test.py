@@ -90,31 +90,35 @@ def single(vertices):
     return [struct.unpack("<3f", struct.pack("<3f", *vertex)) for vertex in vertices]
 
 
+def z_up(vertices):
+    return [(x, -z, y) for x, y, z in vertices]
+
+
 run("surface", "scene:bender", "-r", "40", "-o", "surface.obj")
 vertices, triangles = obj("surface.obj")
 assert len(triangles) > 1000
 run("surface", "scene:bender", "-r", "40", "-o", "surface.glb")
 assert glb("surface.glb") == (vertices, triangles), "a surface that floats hold exactly"
 
-# Coordinates that floats do not hold, of an unknown unit and direction: as they are, for 3MF in millimetres.
+# Coordinates that floats do not hold, of an unknown unit, in OBJ with y up: for 3MF in millimetres and turned to z up.
 with open("part.obj", "w") as file:
     file.write("v 0.1 0.2 0.3\nv 1e-7 20.000000001 -3\nv 0 5 7\nv 1 1 1e10\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n")
 vertices, triangles = obj("part.obj")
 run("convert", "part.obj", "-o", "part.glb")
 run("convert", "part.obj", "-o", "part.3mf")
 assert glb("part.glb") == (single(vertices), triangles)
-assert threemf("part.3mf") == ("millimeter", vertices, triangles)
+assert threemf("part.3mf") == ("millimeter", z_up(vertices), triangles)
 
 # Where the unit is known 3MF says metres, and what is read has y up and is turned to z up: both ways give the same.
 run("convert", "part.glb", "-o", "metres.3mf")
 unit, turned, again = threemf("metres.3mf")
 assert (unit, again) == ("meter", triangles)
-assert turned == [(x, -z, y) for x, y, z in single(vertices)]
+assert turned == z_up(single(vertices))
 run("convert", "metres.3mf", "-o", "back.obj")
 assert obj("back.obj") == (single(vertices), triangles)
 run("convert", "part.obj", "--unit", "cm", "-o", "unit.3mf")
 assert threemf("unit.3mf")[0] == "meter"
-assert threemf("unit.3mf")[1] == [tuple(c * 0.01 for c in vertex) for vertex in vertices]
+assert threemf("unit.3mf")[1] == z_up([tuple(c * 0.01 for c in vertex) for vertex in vertices])
 
 
 def refused(words, *arguments):
