@@ -82,6 +82,7 @@ TEST(TilesDeterminism, AnyInstructionSet) {
 
 TEST(TilesDeterminism, AnyInstructionSetWhereTilesAreCrowded) {
   expect_any_instruction_set(testing::crowd(45, 3000), {{13, 11, 9}, {-3, -3, -3}, {0.6, 0.6, 0.6}});
+  expect_any_instruction_set(testing::random_soup(48, 40000, 3, 0.05), {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}});
 }
 
 TEST(TilesDeterminism, TheOrderOfTrianglesOfACrowd) {
