@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import atexit
+import os
 import sys
 import threading
 from collections import deque
@@ -12,6 +14,40 @@ from typing import Any, Generic, TypeVar, cast
 Result = TypeVar("Result")
 
 _IDLE = 0.1  # seconds without work after which a thread ends; starting one takes a ten-thousandth
+
+
+class _Starts:
+    """Lets threads start until Python ends. CPython up to 3.12 crashes where a thread begins after that: it gets what
+    the interpreter keeps of it, which is gone. A daemon thread that asks for results may want a thread at any time."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._ended = False
+
+    def start(self, thread: threading.Thread) -> bool:
+        """Returns when the thread has begun; False if it cannot."""
+        with self._lock:
+            if self._ended:
+                return False
+            try:
+                thread.start()
+            except RuntimeError:
+                return False
+            return True
+
+    def end(self) -> None:
+        """Waits for a thread that is about to begin."""
+        with self._lock:
+            self._ended = True
+
+    def forget(self) -> None:
+        """After a fork: the thread that held the lock is not there."""
+        self._lock = threading.Lock()
+
+
+_starts = _Starts()
+atexit.register(_starts.end)
+os.register_at_fork(after_in_child=_starts.forget)
 
 
 class Stopped(BaseException):
@@ -113,9 +149,7 @@ class Workers(Generic[Result]):
     def _start_thread(self) -> None:
         thread = threading.Thread(target=self._run, name="standoff", daemon=False)
         self._threads.add(thread)
-        try:
-            thread.start()
-        except RuntimeError:
+        if not _starts.start(thread):
             self._threads.discard(thread)
 
     def _run(self) -> None:
