@@ -228,8 +228,8 @@ TEST(TilesProperties, CrowdedCellsLoseNothing) {
 }
 
 TEST(TilesProperties, CrowdedCellsWhoseNodesAreSmallLoseNothing) {
-  // Sixteen triangles in less than a spacing, and many such nodes in a cell: its samples cull them before any is opened.
-  // If they are opened first, 52,000 distances are computed instead of 43,000.
+  // Sixteen triangles in less than a spacing, and many such nodes in a cell: its samples cull them before any is
+  // opened. If they are opened first, 52,000 distances are computed instead of 43,000.
   const Mesh mesh = random_soup(48, 40000, 3, 0.05);
   const Grid grid{{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}};
   EXPECT_LT(computed(mesh, grid, kInfinity).report.samples_examined, 47000);
