@@ -225,7 +225,7 @@ struct CandidateLists {
   BoxList part;  ///< some candidates of a tile or cell that has too many for one list
   std::vector<BvhNode> nodes;
   std::vector<std::uint32_t> triangles;
-  std::vector<std::uint32_t> in_entries;
+  std::vector<std::uint32_t> in_entries;  ///< a triangle of each entry of a crowded cell's list
 };
 
 /// Makes the lists of cells. Many threads may use it at once, each with its own lists.

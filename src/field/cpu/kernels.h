@@ -3,9 +3,7 @@
 // chosen at run time. All sets give the same bits.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 
 #include "bvh/bvh.h"
 #include "field/backend.h"
@@ -172,7 +170,10 @@ struct CrowdedTable {
   /// Squared distances of the cell's samples from the nearest point of the surface so far, by block.
   alignas(64) float least_sq[kBlocksOfCell][kLanes];
 
-  void forget_points() { std::fill_n(&least_sq[0][0], kBlocksOfCell * kLanes, std::numeric_limits<float>::infinity()); }
+  void forget_points() {
+    for (auto& block : least_sq)
+      for (float& sq : block) sq = __builtin_inff();
+  }
 };
 
 /// The squared distances of one brick while triangles are gathered into it; one per thread.

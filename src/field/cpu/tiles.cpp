@@ -249,6 +249,7 @@ class ThickBand final : public WindowGather {
                               sink_->with_nearest(), state.crowded, state.brick);
     };
     state.crowded.forget_points();
+    // Culls alone: an infinite length opens no node.
     culling_.narrow(lists.tile.arrays(), target, std::numeric_limits<float>::infinity(), lists.cell, lists.nodes);
     const float small = opened_length(target.samples);
     if (culling_.nodes_below(small, lists.cell) >= kManyNodes) {
