@@ -54,11 +54,12 @@ struct FieldRequest {
 };
 
 /// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the
-/// same bits, and no sign. It returns when they are written. Packed doubles and packed indices of 32 bits are used
-/// where they lie, other layouts are copied on the device. The fields are computed by one enqueue() of all. It waits
-/// twice, and again for those whose triangle lists did not fit, which are computed anew. Copies of meshes lie in one
-/// piece of memory; the fields share one workspace, as large as the largest of them needs. If that does not fit into
-/// device memory, halves of them are computed one after the other. Errors among the answers: as bounds_of_each; usage
+/// same bits, and no sign; Method::thesis leaves out no triangle, as its skip rule works on the CPU. It returns when
+/// they are written. Packed doubles and packed indices of 32 bits are used where they lie, other layouts are copied on
+/// the device. The fields are computed by one enqueue() of all. It waits twice, and again for those whose triangle
+/// lists did not fit, which are computed anew. Copies of meshes lie in one piece of memory; the fields share one
+/// workspace, as large as the largest of them needs. If that does not fit into device memory, halves of them are
+/// computed one after the other. Errors among the answers: as bounds_of_each; usage
 /// also for the grid, the thickness and values that are null; limit also for a mesh too far from the grid
 /// (docs/tiles.md, Domain); the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may
 /// have been written.

@@ -6,14 +6,14 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from . import _core
 from ._errors import DeviceError
 
 _CUDA_KINDS = (2, 13)  # DLPack's kDLCUDA, kDLCUDAManaged
-_LEGACY_STREAM = 1  # CUDA's number for the stream that is meant where none is
+LEGACY_STREAM = 1  # CUDA's number for the stream that is meant where none is
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,13 @@ def device_array(array: Any, what: str, stream: int | None = None) -> DeviceArra
     number = int(array.__dlpack_device__()[1]) if hasattr(array, "__dlpack_device__") else None
     interface = getattr(array, "__cuda_array_interface__", None)
     if interface is not None:
-        return _of_interface(interface, number, array, what)
-    try:
-        imported = _core.ImportedArray(array.__dlpack__(stream=_LEGACY_STREAM if stream is None else stream))
-    except (BufferError, TypeError) as error:
-        raise DeviceError(f"{what}: its library does not hand out the memory: {error}; copy it to the CPU") from error
+        found = _of_interface(interface, number, array, what)
+        knows_stream = found.stream is not None or _library(array) == "torch"  # see current_stream
+        if knows_stream or not hasattr(array, "__dlpack__"):
+            return found
+        # Of jax, Warp: their work on the array may be under way, on a stream that only they know.
+        return replace(found, owner=_imported(array, what, stream))
+    imported = _imported(array, what, stream)
     return DeviceArray(
         imported.pointer,
         imported.type,
@@ -92,6 +94,13 @@ def device_array(array: Any, what: str, stream: int | None = None) -> DeviceArra
         array,
         imported,
     )
+
+
+def _imported(array: Any, what: str, stream: int | None) -> Any:
+    try:
+        return _core.ImportedArray(array.__dlpack__(stream=LEGACY_STREAM if stream is None else stream))
+    except (BufferError, TypeError) as error:
+        raise DeviceError(f"{what}: its library does not hand out the memory: {error}; copy it to the CPU") from error
 
 
 def _of_interface(interface: dict[str, Any], number: int | None, array: Any, what: str) -> DeviceArray:
@@ -139,7 +148,7 @@ def stream_of(stream: Any) -> int:
             )
     if handle < 0:
         raise ValueError(f"stream: {handle} is no handle of a stream")
-    return handle or _LEGACY_STREAM
+    return handle or LEGACY_STREAM
 
 
 def current_stream(array: Any) -> int | None:

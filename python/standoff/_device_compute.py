@@ -46,7 +46,7 @@ def fields_on_gpu(
     planned = [each for each in answers if isinstance(each, _Planned)]
     stream = _stream(meshes, planned)
     reports = iter(_core.compute_on_device([each.request() for each in planned], method, stream))
-    return [each.field(next(reports), stream) if isinstance(each, _Planned) else each for each in answers]
+    return [each.field(next(reports)) if isinstance(each, _Planned) else each for each in answers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +59,14 @@ class _Planned:
     def request(self) -> tuple[Any, ...]:
         return (*self.mesh.rows, self.grid._core(), self.thickness, self.values.pointer)
 
-    def field(self, report: dict[str, Any] | Exception, stream: _core.Stream) -> DeviceField | Exception:
+    def field(self, report: dict[str, Any] | Exception) -> DeviceField | Exception:
         if isinstance(report, Exception):
             return report
         sign, made = SignReport(**report.pop("sign")), report.pop("provenance")
         provenance = _core.Provenance(made.method, made.mesh_hash, made.version, made.sign, self.mesh.up)
         del report["method"]
         return DeviceField._make(self.grid, self.thickness, provenance, sign=sign, computation=report)._placed(
-            self.values, self.mesh.number, stream
+            self.values, self.mesh.number, self.mesh.emulated
         )
 
 

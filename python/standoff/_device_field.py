@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from . import _core
-from ._device_arrays import DeviceArray
+from ._device_arrays import LEGACY_STREAM, DeviceArray
 from ._errors import DeviceError
 from ._field import DistanceField
 
@@ -22,11 +22,11 @@ class DeviceField(DistanceField):
     """
 
     _values: DeviceArray
-    _stream: _core.Stream
     _number: int
+    _emulated: bool
 
-    def _placed(self, values: DeviceArray, number: int, stream: _core.Stream) -> DeviceField:
-        self._values, self._number, self._stream = values, number, stream
+    def _placed(self, values: DeviceArray, number: int, emulated: bool) -> DeviceField:
+        self._values, self._number, self._emulated = values, number, emulated
         return self
 
     @property
@@ -46,7 +46,9 @@ class DeviceField(DistanceField):
     def cpu(self) -> DistanceField:
         """The field with a copy of its values in the memory of the CPU."""
         dense = np.empty(self.shape, np.float32, order="F")
-        _core.copy_to_host(self._values.pointer, dense, self._stream)
+        # Nothing is left to wait for, and the stream that worked may be gone: cupy destroys one with its object.
+        default = _core.Stream(self._emulated, self._number, LEGACY_STREAM, [])
+        _core.copy_to_host(self._values.pointer, dense, default)
         return DistanceField._make(
             self._grid, self._thickness, self._provenance, dense=dense, sign=self._sign, computation=self._computation
         )

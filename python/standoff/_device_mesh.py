@@ -53,7 +53,8 @@ class MeshOnDevice:
         self.up = up
         self.rows = corners.rows("vertices", "f"), indices.rows("faces", "iu")
         self.number = _number_of(device, corners, indices)
-        self.worker = device == "emulated", self.number, handle
+        self.emulated = device == "emulated"
+        self.worker = self.emulated, self.number, handle
         """What works on it: meshes that agree here can share a launch."""
         self._handle = handle
         self._kept = (corners, indices)

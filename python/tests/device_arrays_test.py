@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import standoff as so
 from pretended_gpu import FACES, ON_GPU, VERTICES, Cuda, Dlpack, ListeningCore, Second, Standard, expected, new_out
-from standoff import _device_arrays, _device_compute
+from standoff import _device_arrays, _device_compute, _device_field
 
 LAYOUTS = {
     "doubles": (VERTICES, FACES.astype(np.uint32)),
@@ -182,6 +182,28 @@ def test_streams_that_still_write_the_arrays_are_waited_for(asked):
     assert run(None, 6, None) == (1, [6])
     assert run(5, None, 1, stream=9) == (9, [1, 5])
     assert run(1, 1, 1, stream=0) == (1, [])
+
+
+def test_a_library_that_names_no_stream_is_asked_to_have_its_arrays_ready():
+    class Asked(Cuda, Dlpack):  # as jax's and Warp's
+        def __init__(self, array, **interface):
+            Dlpack.__init__(self, array)
+            Cuda.__init__(self, array, **interface)
+
+    silent, named, out = Asked(VERTICES), Asked(FACES, stream=5), Asked(new_out().array)
+    so.field((silent, named), shape=(9, 9, 9), out=out, stream=7, **ON_GPU)
+    assert (silent.streams, named.streams, out.streams) == ([7], [], [7])
+    np.testing.assert_array_equal(out.array, expected(shape=(9, 9, 9)))
+    read_only = Asked(new_out().array, data=(64, True))
+    fails(ValueError, "^out: is read-only", out=read_only)
+
+
+def test_a_copy_to_the_cpu_needs_no_stream_that_may_be_gone(monkeypatch):
+    field = so.field((Cuda(VERTICES), Cuda(FACES)), shape=(9, 9, 9), out=new_out(), stream=7, **ON_GPU)
+    core = ListeningCore()
+    monkeypatch.setattr(_device_field, "_core", core)
+    np.testing.assert_array_equal(field.cpu().numpy(), expected(shape=(9, 9, 9)))
+    assert core.streams == [(1, [])]
 
 
 def fails(error, match, mesh=None, **options):
