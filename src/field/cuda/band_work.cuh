@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin bands: the work items that the blocks of gather_band take, and how a warp stages an item's triangles.
+// Thin bands: the work items that the warps of gather_band take, and how a warp stages an item's triangles.
 #pragma once
 
 #include "field/cuda/bin.cuh"
@@ -8,17 +8,16 @@
 namespace standoff::STANDOFF_PLATFORM {
 
 // Items of work. The list of a tile with very many triangles, as on a coarse grid, is cut into parts, which several
-// blocks take at once. Most tiles have no triangle; in dense memory they are filled 32 at a time, which keeps the
-// memory busy while other blocks compute.
+// warps take at once. Most tiles have no triangle; in dense memory they are filled 32 at a time, which keeps the
+// memory busy while other warps compute.
 
-/// Cutting lists adds at most this many parts: enough for every multiprocessor to have many, even if all triangles lie
-/// in one tile. It also bounds the number of tiles that are cut, each of which takes 4 KiB of workspace. Decides no
-/// bit.
-inline constexpr std::int64_t kMostParts = 4096;
-/// A part has at least this many triangles: one for each thread of a block.
-inline constexpr Counter kLeastPart = 128;
-/// Longer lists are begun first, so that none of them is left when all others are done.
-inline constexpr Counter kHeavyList = 512;
+/// Cutting lists adds at most this many parts: enough for every warp of a GPU to have several, even if all triangles lie
+/// in one tile. Decides no bit, and neither do the next two.
+inline constexpr std::int64_t kMostParts = 16384;
+/// A part has at least this many triangles: a warp stages so many at once.
+inline constexpr Counter kLeastPart = 32;
+/// At most so many lists are cut, as the results of each take 4 KiB of workspace; others stay whole.
+inline constexpr std::int64_t kMostCut = 4096;
 
 inline constexpr std::uint32_t kWhole = 0xffffffffu;
 
@@ -33,8 +32,8 @@ struct WorkItem {
 
 struct WorkCounts {
   Counter heavy, light;  // items of long and short lists, from the front and from the back of the array
-  Counter cut;           // tiles whose list was cut
-  Counter taken;         // items that blocks have taken
+  Counter cut;           // lists that are longer than a part
+  Counter taken;         // items that warps have taken
 };
 
 struct BandWork {
@@ -42,10 +41,11 @@ struct BandWork {
   std::int64_t capacity;  // the number of items that fit
   std::int64_t* cut_tiles;
   Counter* found;  // per sample of each cut tile: the best of its parts so far
-  std::int64_t most_cut;
+  Counter most_cut;
   WorkCounts* counts;
 
   STANDOFF_DEVICE Counter size() const { return counts->heavy + counts->light; }
+  STANDOFF_DEVICE Counter cut_count() const { return counts->cut < most_cut ? counts->cut : most_cut; }
   STANDOFF_DEVICE const WorkItem& at(Counter n) const {
     const Counter heavy = counts->heavy;
     return items[n < heavy ? static_cast<std::int64_t>(n) : capacity - 1 - static_cast<std::int64_t>(n - heavy)];
@@ -59,7 +59,7 @@ STANDOFF_HD std::int64_t tile_groups(const Fields& fields) {
 }
 
 /// Lists the items of all tiles: a thread per tile, a warp per group. Empty tiles get items only if they must be
-/// filled. The order of items depends on the timing of threads, but no bit of the field does.
+/// filled. Lists of more than half a part come first, so that none is left when all others are done. The order of items depends on the timing of threads, but no bit of the field does.
 template <class Fields>
 STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork work, bool fills) {
   if (fields.total()->stopped) return;
@@ -78,7 +78,7 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
   const std::uint32_t empty = __ballot_sync(0xffffffffu, fills && exists && count == 0);
   const bool fills_here = lane == 0 && empty != 0;
   // The light items of a warp take their places at once, together with the item that fills the group's empty tiles.
-  const bool is_light = count > 0 && count <= kHeavyList && count <= part;
+  const bool is_light = count > 0 && 2 * count <= part;
   const std::uint32_t light = __ballot_sync(0xffffffffu, is_light);
   Counter place = 0;
   if (lane == 0 && (light || fills_here))
@@ -89,27 +89,32 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
     work.items[work.capacity - 1 - static_cast<std::int64_t>(place + static_cast<Counter>(__popc(light)))] = {
         {item.tile[0], item.tile[1], item.tile[2]}, 0, 0, empty};
   if (count == 0 || is_light) return;
-  const Counter parts = (count + part - 1) / part;
-  if (parts > 1) {
-    item.cut = static_cast<std::uint32_t>(atomicAdd(&work.counts->cut, Counter{1}));
-    work.cut_tiles[item.cut] = index;
+  Counter length = count;  // of a part
+  if (count > part) {
+    const Counter cut = atomicAdd(&work.counts->cut, Counter{1});
+    if (cut < work.most_cut) {
+      item.cut = static_cast<std::uint32_t>(cut);
+      work.cut_tiles[cut] = index;
+      length = part;
+    }
   }
+  const Counter parts = (count + length - 1) / length;
   place = atomicAdd(&work.counts->heavy, parts);
   for (Counter n = 0; n < parts; ++n) {
-    const Counter left = count - n * part;
-    item.first = first + n * part;
-    item.count = static_cast<std::uint32_t>(left < part ? left : part);
+    const Counter left = count - n * length;
+    item.first = first + n * length;
+    item.count = static_cast<std::uint32_t>(left < length ? left : length);
     work.items[place + n] = item;
   }
 }
 
-/// Fills the tiles of an item without a list with the value far from all triangles. All threads of the block take part:
-/// a warp fills a row of samples through all of the tiles.
+/// Fills the tiles of an item without a list with the value far from all triangles. All lanes take part: they fill a row
+/// of samples through all of the tiles at once.
 STANDOFF_DEVICE void fill_tiles(const Lattice& l, const WorkItem& item, const DeviceOutput& output) {
-  const int lane = static_cast<int>(threadIdx.x) % 32, warps = static_cast<int>(blockDim.x) / 32;
+  const int lane = static_cast<int>(threadIdx.x) % 32;
   const std::int64_t left = l.size[0] - item.tile[0] * kTileSide;
   const int width = left < 32 * kTileSide ? static_cast<int>(left) : 32 * kTileSide;
-  for (int row = static_cast<int>(threadIdx.x) / 32; row < kTileSide * kTileSide; row += warps) {
+  for (int row = 0; row < kTileSide * kTileSide; ++row) {
     const std::int64_t y = item.tile[1] * kTileSide + row % kTileSide, z = item.tile[2] * kTileSide + row / kTileSide;
     if (y >= l.size[1] || z >= l.size[2]) continue;
     const std::int64_t at = item.tile[0] * kTileSide + l.size[0] * (y + l.size[1] * z);
@@ -164,7 +169,6 @@ struct BandStage {
   StagedRows rows[kShort];
   std::uint32_t triangle[kShort];
   float slack[kLong];
-  int long_count;  // the number of staged long triangles
 };
 static_assert(sizeof(StagedLines) * BandStage::kLong <= sizeof(StagedFrame) * BandStage::kShort);
 
@@ -207,17 +211,17 @@ struct Staged32 {
   unsigned rows;          // the rows of all other triangles
 };
 
-/// Stages the short triangles that reach the tile, and their rows: a lane per triangle, of which `count` have one. All
-/// lanes take part.
+/// Stages the short triangles that reach the tile, and their rows: a lane per triangle, where it has one. All lanes take
+/// part.
 STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, const TileView& view,
-                                     std::uint32_t triangle, int count, BandStage& stage) {
+                                     std::uint32_t triangle, bool has_one, BandStage& stage) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   const std::uint32_t before = (1u << lane) - 1;
   bool is_long_one = false;
   int rows = 0;
   SampleBox box{};
   Triple<float> a{}, b{}, c{};
-  if (lane < count) {
+  if (has_one) {
     const LocalCorners corners = local_corners(l, mesh, triangle, view.center);
     a = narrowed(corners.a), b = narrowed(corners.b), c = narrowed(corners.c);
     const BoxOf<float> around = box_of(a, b, c);
@@ -257,10 +261,9 @@ STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const T
     store(make_lines<float>(make_frame(a, b, c, double{kLeastLengthSq})), stage.lines[n]);
     stage.triangle[n] = triangle;
   }
-  const int all = __popc(is_long), count = all < BandStage::kLong ? all : BandStage::kLong;
-  if (lane == 0) stage.long_count = count;
+  const int all = __popc(is_long);
   __syncwarp();
-  return count;
+  return all < BandStage::kLong ? all : BandStage::kLong;
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

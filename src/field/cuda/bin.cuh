@@ -74,8 +74,8 @@ STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
 }
 
 // Thin bands: lists the triangles of each tile, by counting. A triangle belongs to the tiles that its box, grown by the
-// thickness, touches. If it touches more than two tiles along an axis, a warp measures it from their centres, exactly;
-// if it touches very many, several warps do.
+// thickness, touches. If it touches more than two tiles along an axis, it is measured from their centres, exactly: by
+// one lane or several, by a warp if it touches many tiles, by several warps if it touches very many.
 
 /// Threads of a block, unless a kernel needs another number.
 inline constexpr unsigned kThreads = 256;
@@ -111,11 +111,19 @@ inline constexpr int kWarpsPerHuge = 32;
 STANDOFF_DEVICE std::int64_t tiles_in(const CellRange& r) {
   return (r.high[0] - r.low[0] + 1) * (r.high[1] - r.low[1] + 1) * (r.high[2] - r.low[2] + 1);
 }
-/// Lists a triangle that touches many tiles.
-STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, std::int64_t n) {
-  const bool is_huge = tiles_in(r) > kHugeRange;
-  const auto place = static_cast<std::int64_t>(atomicAdd(&list.count[is_huge], Counter{1}));
-  list.numbers[is_huge ? list.capacity - 1 - place : place] = static_cast<std::uint32_t>(n);
+/// Lists the triangles that touch many tiles. All lanes take part, each with its own triangle, or with none.
+STANDOFF_DEVICE void list_long(const LongList& list, const CellRange& r, bool has_one, std::int64_t n) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  const bool is_huge = has_one && tiles_in(r) > kHugeRange;
+  for (int huge_ones = 0; huge_ones < 2; ++huge_ones) {
+    const bool mine = has_one && is_huge == (huge_ones != 0);
+    const std::uint32_t all = __ballot_sync(0xffffffffu, mine);
+    if (all == 0) continue;
+    Counter first = 0;
+    if (lane == 0) first = atomicAdd(&list.count[huge_ones], static_cast<Counter>(__popc(all)));
+    const auto place = static_cast<std::int64_t>(__shfl_sync(0xffffffffu, first, 0)) + __popc(all & ((1u << lane) - 1));
+    if (mine) list.numbers[huge_ones ? list.capacity - 1 - place : place] = static_cast<std::uint32_t>(n);
+  }
 }
 
 /// No list is this long: a count from here on has wrapped below zero.
@@ -175,20 +183,16 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   CellRange r{{0, 0, 0}, {-1, -1, -1}};
   std::uint32_t triangle = 0;
-  std::int64_t number = 0;
+  const std::int64_t number = fields.warp_field_of(n < fields.triangle_count() ? n : 0);
   if (n < fields.triangle_count()) {
-    number = fields.field_of(n);
     const auto& f = fields.field(number);
     triangle = fields.triangle(number, n);
     // The first pass looks at all triangles of a mesh, even if it has stopped: the first bad one is to be named.
     if (kPlace ? !fields.has_stopped_alone(number) : fields.has_place(number) && is_valid(f.mesh, triangle, f.outcome))
       r = tiles_of(fields.lattice(lattices, number), corners_of(f.mesh, triangle));
   }
-  bool places = !r.empty();
-  if (places && !r.is_small()) {
-    if (!kPlace) list_long(long_ones, r, n);
-    places = false;
-  }
+  const bool places = !r.empty() && r.is_small();
+  if (!kPlace) list_long(long_ones, r, !r.empty() && !r.is_small(), n);
   bool fits = true;
   for (int corner = 0; corner < 8; ++corner) {  // all lanes of the warp, whatever their ranges
     const std::int64_t x = r.low[0] + (corner & 1), y = r.low[1] + (corner >> 1 & 1), z = r.low[2] + (corner >> 2);
@@ -199,44 +203,72 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads, kBinBlocks)
   if (!fits) stop_for_miscount(fields.field(number).outcome);
 }
 
-/// Bins a long triangle of field `number` into part `share` of `shares` of its range: a lane per tile.
+/// Bins a listed long triangle into the tiles of its range that it reaches: tile `share`, and each `shares`-th one on.
 template <bool kPlace, class Fields>
-STANDOFF_DEVICE void bin_share(const Lattice& l, const Fields& fields, std::int64_t number, const TileLists& lists,
-                               std::uint32_t triangle, int share, int shares, double reach_sq) {
+STANDOFF_DEVICE void bin_share(const typename Fields::Lattices& lattices, const Fields& fields, const TileLists& lists,
+                               std::uint32_t listed, int share, int shares) {
+  const std::int64_t number = fields.field_of(listed);
+  if (fields.has_stopped_alone(number)) return;
+  const Lattice& l = fields.lattice(lattices, number);
   const auto& f = fields.field(number);
+  const std::uint32_t triangle = fields.triangle(number, listed);
   const Corners c = corners_of(f.mesh, triangle);
   const CellRange r = tiles_of(l, c);
   if (r.empty()) return;
   const LongTriangle<kTileSide> long_triangle(l, r, c.at);
+  const double reach_sq = cell_reach_sq<kTileSide>(l);
   const std::int64_t nx = r.high[0] - r.low[0] + 1, ny = r.high[1] - r.low[1] + 1, all = tiles_in(r);
-  for (std::int64_t at = 32 * share + static_cast<int>(threadIdx.x) % 32; at < all; at += 32 * shares) {
+  for (std::int64_t at = share; at < all; at += shares) {
     const std::int64_t x = r.low[0] + at % nx, y = r.low[1] + at / nx % ny, z = r.low[2] + at / (nx * ny);
     if (long_triangle.reaches(l, x, y, z, reach_sq) && !use_tile<kPlace>(lists, fields.tile(number, x, y, z), triangle))
       stop_for_miscount(f.outcome);
   }
 }
 
-/// Bins long triangles: warps stride over them, and over the shares of the huge ones.
+/// A lane tests at most so many tiles of a triangle that it does not share with its whole warp. Decides no bit.
+inline constexpr int kTilesPerLane = 32;
+
+/// The number of lanes that share a long triangle, a power of two: all of a warp if there are few triangles, or else
+/// only so many that a sixteenth of the warps have work. For each lane sets the triangle up anew.
+STANDOFF_DEVICE int lanes_per_long(Counter triangles, Counter warps) {
+  int lanes = 32;
+  while (lanes > 1 && 16 * triangles >= warps * static_cast<Counter>(64 / lanes)) lanes /= 2;
+  return lanes;
+}
+
+/// Bins long triangles: warps stride over the shares of the huge ones, which take longest, and then over all others.
 template <bool kPlace, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kThreads)
     bin_long(typename Fields::Lattices lattices, Fields fields, TileLists lists, LongList long_ones) {
-  if (fields.total()->stopped) return;
-  const double reach_sq_of_one = Fields::kMany ? 0 : cell_reach_sq<kTileSide>(fields.lattice(lattices, 0));
-  const Counter count = long_ones.count[0], shares = long_ones.count[1] * kWarpsPerHuge;
+  if (__ballot_sync(0xffffffffu, fields.total()->stopped != 0) != 0) return;  // the warp must stay together
+  const int lane = static_cast<int>(threadIdx.x) % 32;
   const Counter first = std::int64_t{blockIdx.x} * (blockDim.x / 32) + threadIdx.x / 32,
                 step = std::int64_t{gridDim.x} * (blockDim.x / 32);
-  for (Counter n = first; n < count + shares; n += step) {
-    // Begin with the huge ones: they take longest.
-    const bool is_huge = n < shares;
-    const std::uint32_t listed =
-        is_huge ? long_ones.numbers[long_ones.capacity - 1 - static_cast<std::int64_t>(n / kWarpsPerHuge)]
-                : long_ones.numbers[n - shares];
-    const std::int64_t number = fields.field_of(listed);
-    if (fields.has_stopped_alone(number)) continue;
-    const Lattice& l = fields.lattice(lattices, number);
-    const double reach_sq = Fields::kMany ? cell_reach_sq<kTileSide>(l) : reach_sq_of_one;
-    bin_share<kPlace>(l, fields, number, lists, fields.triangle(number, listed),
-                      is_huge ? static_cast<int>(n % kWarpsPerHuge) : 0, is_huge ? kWarpsPerHuge : 1, reach_sq);
+  const Counter count = long_ones.count[0], huge_shares = long_ones.count[1] * kWarpsPerHuge;
+  const int lanes = lanes_per_long(count, step);
+  const auto each = static_cast<Counter>(32 / lanes);  // triangles of a warp
+  for (Counter n = first; n < huge_shares + (count + each - 1) / each; n += step) {
+    const bool is_huge = n < huge_shares;
+    const Counter mine = is_huge ? n / kWarpsPerHuge : (n - huge_shares) * each + static_cast<Counter>(lane / lanes);
+    const bool exists = is_huge || mine < count;
+    const std::uint32_t own =
+        long_ones.numbers[is_huge ? long_ones.capacity - 1 - static_cast<std::int64_t>(mine) : exists ? mine : 0];
+    std::uint32_t listed = own;
+    int share = is_huge ? static_cast<int>(n % kWarpsPerHuge) * 32 + lane : lane % lanes;
+    int shares = is_huge ? kWarpsPerHuge * 32 : lanes;
+    // A triangle with too many tiles for its lanes is the whole warp's, once the lanes have binned their own.
+    const std::int64_t number = fields.field_of(own);
+    const Corners c = corners_of(fields.field(number).mesh, fields.triangle(number, own));
+    const bool is_wide = exists && !is_huge &&
+                         tiles_in(tiles_of(fields.lattice(lattices, number), c)) > std::int64_t{kTilesPerLane} * lanes;
+    std::uint32_t wide = __ballot_sync(0xffffffffu, is_wide && share == 0);
+    for (bool takes_part = exists && !is_wide;; takes_part = true) {
+      if (takes_part) bin_share<kPlace>(lattices, fields, lists, listed, share, shares);
+      if (wide == 0) break;
+      listed = __shfl_sync(0xffffffffu, own, __ffs(static_cast<int>(wide)) - 1);
+      share = lane, shares = 32;
+      wide &= wide - 1;
+    }
   }
 }
 

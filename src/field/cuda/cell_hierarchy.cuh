@@ -2,8 +2,8 @@
 // Thick bands and full fields: candidates pass down from coarse cells to fine ones. A cell starts from its parent's
 // candidates and drops those that cannot be nearest to any of its samples (docs/cuda.md derives the three tests).
 //
-// A step leads from parents to their eight children. Every candidate of every parent has a thread, in blocks of kChunk
-// candidates of one parent.
+// A step leads from parents to their eight children. A block of threads takes a chunk of a parent's candidates, and
+// goes through it with a thread per candidate.
 //   bound    finds for each child a bound of the distance at its centre, and the triangle that gives it
 //   keep     decides which children keep each candidate, and counts them
 //   hand     writes the candidates into the children's lists
@@ -11,6 +11,7 @@
 
 #include "field/cuda/bin.cuh"
 #include "field/lattice.h"
+#include "gpu/warp.cuh"
 
 namespace standoff {
 
@@ -62,7 +63,9 @@ STANDOFF_INLINE CellBox cell_at(const Lattice& l, const Level& level, const std:
 
 namespace standoff::STANDOFF_PLATFORM {
 
-inline constexpr int kChunk = 256;
+inline constexpr int kStepThreads = 256;
+/// A chunk has at most so many candidates. It is found, and its children set up, once.
+inline constexpr Counter kChunk = 4 * kStepThreads;
 
 /// The arrays of a step.
 struct Step {
@@ -125,25 +128,12 @@ struct Chunk {
   Counter base[8];
 };
 
-/// The parent of a chunk.
-STANDOFF_DEVICE std::int64_t parent_of(const Step& step, Counter chunk) {
-  std::int64_t low = 0, high = step.parent.count();  // chunk_start[low] <= chunk < chunk_start[high]
-  while (high - low > 1) {
-    const std::int64_t middle = (low + high) / 2;
-    if (step.chunk_start[middle] <= chunk)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /// Begins a chunk; all threads of the block take part. It needs no barrier first: other threads than the first eight
 /// may still read `base` of the chunk before, but this does not write `base`.
 STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
+  const std::int64_t parent = t < 32 ? warp_find(step.chunk_start, step.parent.count(), number) : 0;
   if (t < 8) {
-    const std::int64_t parent = parent_of(step, number);
     const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
                                 parent / (step.parent.cells[0] * step.parent.cells[1])};
     const CellBox whole = cell_at(l, step.parent, at);
@@ -170,44 +160,79 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
   __syncthreads();
 }
 
+/// A triangle's corners and box relative to the parent's centre.
+struct CandidateCorners {
+  Triple<float> a, b, c;
+  BoxOf<float> box;
+  float slack;  // the error of a distance
+};
+STANDOFF_DEVICE CandidateCorners candidate_corners(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                                   const Chunk& chunk) {
+  const Corners c = corners_of(mesh, triangle);
+  CandidateCorners at{narrowed(local(l, c.at[0], chunk.center)), narrowed(local(l, c.at[1], chunk.center)),
+                      narrowed(local(l, c.at[2], chunk.center)), {}, 0};
+  at.box = box_of(at.a, at.b, at.c);
+  at.slack = fma(max(farthest_coordinate(at.box), chunk.extent), kSlackOfCoordinate, kSlack);
+  return at;
+}
+STANDOFF_DEVICE TriangleFrame<float> frame_of(const CandidateCorners& at) {
+  return make_frame(at.a, at.b, at.c, float{kLeastLengthSq});
+}
+
 /// A candidate relative to the parent's centre.
 struct Candidate {
   TriangleFrame<float> frame;
   BoxOf<float> box;
   float slack;
 };
-
 STANDOFF_DEVICE Candidate candidate(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
                                     const Chunk& chunk) {
-  const Corners c = corners_of(mesh, triangle);
-  const Triple<float> a = narrowed(local(l, c.at[0], chunk.center)), b = narrowed(local(l, c.at[1], chunk.center)),
-                      d = narrowed(local(l, c.at[2], chunk.center));
-  const BoxOf<float> box = box_of(a, b, d);
-  return {make_frame(a, b, d, float{kLeastLengthSq}), box,
-          fma(max(farthest_coordinate(box), chunk.extent), kSlackOfCoordinate, kSlack)};
+  const CandidateCorners at = candidate_corners(l, mesh, triangle, chunk);
+  return {frame_of(at), at.box, at.slack};
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kChunk) bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
+/// Bounds of the distances of a triangle from points. The centroid of a small one is a good enough point of it, and
+/// takes a tenth of the instructions.
+struct UpperBounds {
+  TriangleFrame<float> frame;
+  Triple<float> centroid;
+  float slack;
+  bool by_centroid;
+
+  STANDOFF_DEVICE float at(const Triple<float>& p) const {
+    const Triple<float> from = p - centroid;
+    return sqrt(by_centroid ? dot(from, from) : distance_sq(frame, p)) + slack;
+  }
+};
+/// A triangle is small if no side of its box is longer than `small`.
+STANDOFF_DEVICE UpperBounds upper_bounds(const CandidateCorners& at, float small) {
+  UpperBounds bounds{{}, (at.a + at.b + at.c) * (1.0f / 3), at.slack, longest_side(at.box) <= small};
+  if (!bounds.by_centroid) bounds.frame = frame_of(at);
+  return bounds;
+}
+
+/// Lowers the least bound of a child by those of a warp's lanes. All lanes take part.
+STANDOFF_DEVICE void lower_bound(float most, std::uint32_t triangle, Counter& least) {
+  // Distances are not negative, so their order equals the order of their bits.
+  const std::uint32_t bits = __float_as_uint(most), fewest = warp_min(bits);
+  const std::uint32_t first = warp_min(bits == fewest ? triangle : kNoTriangle);
+  if (threadIdx.x % 32 == 0) atomicMin(&least, Counter{fewest} << 32 | first);
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
+    bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
   const Counter chunks = step.chunk_start[step.parent.count()];
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
-    const Counter entry = chunk.first + static_cast<Counter>(t);
-    const bool mine = entry < chunk.end;
-    const std::uint32_t triangle = step.parent_entries[mine ? entry : chunk.first];
-    const Candidate c = candidate(l, mesh, triangle, chunk);
-    for (int n = 0; n < 8; ++n) {
-      if (chunk.child[n].index < 0) continue;
-      const float most = sqrt(distance_sq(c.frame, chunk.child[n].center)) + c.slack;
-      // Distances are not negative, so their order equals the order of their bits.
-      Counter least = Counter{__float_as_uint(most)} << 32 | triangle;
-      for (int bits = 16; bits > 0; bits /= 2) {
-        const Counter other = __shfl_xor_sync(0xffffffffu, least, bits);
-        if (other < least) least = other;
-      }
-      if (t % 32 == 0) atomicMin(&chunk.least[n], least);
+    for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
+      const Counter entry = first + static_cast<Counter>(t);
+      const std::uint32_t triangle = step.parent_entries[entry < chunk.end ? entry : chunk.first];
+      const UpperBounds bounds = upper_bounds(candidate_corners(l, mesh, triangle, chunk), chunk.child[0].radius / 2);
+      for (int n = 0; n < 8; ++n)
+        if (chunk.child[n].index >= 0) lower_bound(bounds.at(chunk.child[n].center), triangle, chunk.least[n]);
     }
     __syncthreads();
     if (t < 8 && chunk.child[t].index >= 0) atomicMin(&step.bound[chunk.child[t].index], chunk.least[t]);
@@ -228,7 +253,20 @@ STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const 
   return fma(least, least, -spread) < within * within;
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kChunk)
+/// Finds the point of the surface that bounds distances at a child's centre: the closest one of the triangle that gave
+/// the bound. It may lower the bound.
+STANDOFF_DEVICE void find_surface(const Lattice& l, const DeviceMesh& mesh, const Chunk& chunk, Child& child,
+                                  Counter& bound) {
+  const Counter known = load_relaxed(&bound);  // blocks of the same parent lower it to the same number
+  const auto triangle = static_cast<std::uint32_t>(known);
+  const Candidate nearest = candidate(l, mesh, triangle, chunk);
+  child.surface = closest_in_frame(nearest.frame, child.center);
+  const float by_closest = sqrt(distance_sq(nearest.frame, child.center)) + nearest.slack;
+  child.within = min(__uint_as_float(static_cast<std::uint32_t>(known >> 32)), by_closest);
+  atomicMin(&bound, Counter{__float_as_uint(child.within)} << 32 | triangle);
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
     keep_candidates(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -236,58 +274,68 @@ STANDOFF_KERNEL void __launch_bounds__(kChunk)
   const Counter chunks = step.chunk_start[step.parent.count()];
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
-    if (t < 8 && chunk.child[t].index >= 0) {
-      const Counter bound = step.bound[chunk.child[t].index];
-      chunk.child[t].within = __uint_as_float(static_cast<std::uint32_t>(bound >> 32));
-      chunk.child[t].surface =
-          closest_in_frame(candidate(l, mesh, static_cast<std::uint32_t>(bound), chunk).frame, chunk.child[t].center);
-    }
+    if (t < 8 && chunk.child[t].index >= 0)
+      find_surface(l, mesh, chunk, chunk.child[t], step.bound[chunk.child[t].index]);
     __syncthreads();
-    const Counter entry = chunk.first + static_cast<Counter>(t);
-    const bool mine = entry < chunk.end;
-    const Candidate c = candidate(l, mesh, step.parent_entries[mine ? entry : chunk.first], chunk);
-    unsigned kept = 0;
-    for (int n = 0; n < 8; ++n) {
-      if (chunk.child[n].index < 0) continue;
-      const bool keeps = mine && may_be_nearest(l, c, chunk.child[n]);
-      kept |= keeps ? 1u << n : 0u;
-      const std::uint32_t votes = __ballot_sync(0xffffffffu, keeps);
-      if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+    for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
+      const Counter entry = first + static_cast<Counter>(t);
+      const bool mine = entry < chunk.end;
+      const Candidate c = candidate(l, mesh, step.parent_entries[mine ? entry : chunk.first], chunk);
+      unsigned kept = 0;
+      for (int n = 0; n < 8; ++n) {
+        if (chunk.child[n].index < 0) continue;
+        const bool keeps = mine && may_be_nearest(l, c, chunk.child[n]);
+        kept |= keeps ? 1u << n : 0u;
+        const std::uint32_t votes = __ballot_sync(0xffffffffu, keeps);
+        if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+      }
+      if (mine) step.keep[entry] = static_cast<unsigned char>(kept);
     }
-    if (mine) step.keep[entry] = static_cast<unsigned char>(kept);
     __syncthreads();
     if (t < 8 && chunk.counts[t] != 0) atomicAdd(&step.child_counts[chunk.child[t].index], chunk.counts[t]);
   }
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kChunk) hand_down(Lattice l, Step step, Outcome* outcome) {
+/// Writes the block's candidates into the children's lists. Two sweeps over the chunk: the first one counts, so that
+/// each child's list is lengthened once.
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads) hand_down(Lattice l, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
+  const std::uint32_t before_me = (1u << t % 32) - 1;
   const Counter chunks = step.chunk_start[step.parent.count()];
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
-    const Counter entry = chunk.first + static_cast<Counter>(t);
-    const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
-    unsigned place[8];  // per child, among the block's candidates
-    for (int n = 0; n < 8; ++n) {
-      const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
-      unsigned before = 0;
-      if (t % 32 == 0 && votes) before = atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
-      before = __shfl_sync(0xffffffffu, before, 0);
-      place[n] = before + static_cast<unsigned>(__popc(votes & ((1u << t % 32) - 1)));
+    for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
+      const Counter entry = first + static_cast<Counter>(t);
+      const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
+      for (int n = 0; n < 8; ++n) {
+        const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
+        if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+      }
     }
     __syncthreads();
     // Lists fill from their ends, which takes the counts back down to zero.
     if (t < 8 && chunk.counts[t] != 0) {
       const std::int64_t child = chunk.child[t].index;
       chunk.base[t] = step.child_start[child] + atomicSub(&step.child_counts[child], chunk.counts[t]) - chunk.counts[t];
+      chunk.counts[t] = 0;
     }
     __syncthreads();
-    if (kept == 0) continue;
-    const std::uint32_t triangle = step.parent_entries[entry];
-    for (int n = 0; n < 8; ++n)
-      if (kept >> n & 1) step.child_entries[chunk.base[n] + place[n]] = triangle;
+    for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
+      const Counter entry = first + static_cast<Counter>(t);
+      const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
+      const std::uint32_t triangle = kept ? step.parent_entries[entry] : 0;
+      for (int n = 0; n < 8; ++n) {
+        const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
+        if (votes == 0) continue;
+        unsigned place = 0;
+        if (t % 32 == 0) place = atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+        place = __shfl_sync(0xffffffffu, place, 0) + static_cast<unsigned>(__popc(votes & before_me));
+        if (kept >> n & 1) step.child_entries[chunk.base[n] + place] = triangle;
+      }
+    }
+    __syncthreads();
   }
 }
 

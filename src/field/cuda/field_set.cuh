@@ -9,6 +9,7 @@
 #include "field/lattice.h"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
+#include "gpu/warp.cuh"
 #include "standoff/cuda_batch.h"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -46,8 +47,10 @@ struct OneField {
   /// Tiles of the stack along an axis.
   STANDOFF_HD std::int64_t tiles(int axis) const { return tiles_each[axis]; }
 
-  /// The number of the field that has triangle n.
+  /// The number of the field that has triangle n. In warp_field_of() all lanes take part; it is faster where their
+  /// triangles ascend.
   STANDOFF_DEVICE std::int64_t field_of(std::int64_t) const { return 0; }
+  STANDOFF_DEVICE std::int64_t warp_field_of(std::int64_t) const { return 0; }
   /// The mesh, the output and the outcome of a field, as members of these names.
   STANDOFF_DEVICE const OneField& field(std::int64_t) const { return *this; }
   STANDOFF_DEVICE const Lattice& lattice(const Lattices& lattices, std::int64_t) const { return lattices; }
@@ -98,6 +101,10 @@ struct ManyFields {
       (first_triangle[middle] <= n ? low : high) = middle;
     }
     return low;
+  }
+  STANDOFF_DEVICE std::int64_t warp_field_of(std::int64_t n) const {
+    const std::int64_t of_first = warp_find(first_triangle, count, __shfl_sync(0xffffffffu, n, 0));
+    return first_triangle[of_first] <= n && n < first_triangle[of_first + 1] ? of_first : field_of(n);
   }
   STANDOFF_DEVICE const PlacedField& field(std::int64_t number) const { return all[number]; }
   STANDOFF_DEVICE const Lattice& lattice(const Lattices&, std::int64_t number) const { return all[number].lattice; }

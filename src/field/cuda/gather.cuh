@@ -9,6 +9,7 @@
 
 #include "field/cuda/bin.cuh"
 #include "field/tolerances.h"
+#include "gpu/warp.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 
@@ -21,9 +22,8 @@ struct TileView {
   Triple<double> center;           // the brick's centre
 };
 
-/// The first 24 threads of a block fill the view of `tile`.
-STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, TileView& view) {
-  const int t = static_cast<int>(threadIdx.x);
+/// Thread t fills its part of the view of `tile`: 24 threads fill all of it.
+STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, int t, TileView& view) {
   if (t >= 3 * kTileSide) return;
   const int axis = t / kTileSide, n = t % kTileSide;
   view.coordinate[axis][n] = l.coordinate[axis][static_cast<int>(tile[axis] & 1) * kTileSide + n];
@@ -39,7 +39,7 @@ STANDOFF_DEVICE void view_tile(const Lattice& l, std::int64_t index, TileView& v
   if (threadIdx.x >= 32) return;  // saves the other warps the division
   std::int64_t tile[3];
   tile_at(l, index, tile);
-  view_tile(l, tile, view);
+  view_tile(l, tile, static_cast<int>(threadIdx.x), view);
 }
 
 /// A triangle that is set up: its frame, or its lines if it is long. It takes eleven loads of 16 bytes. Triangles are
@@ -116,12 +116,6 @@ STANDOFF_DEVICE WarpExtent warp_extent(const Lattice& l) {
   const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
   e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
   return e;
-}
-
-/// The largest value among the lanes of a warp.
-STANDOFF_DEVICE float warp_max(float value) {
-  for (int bits = 16; bits > 0; bits /= 2) value = max(value, __shfl_xor_sync(0xffffffffu, value, bits));
-  return value;
 }
 
 /// The best of a sample so far.

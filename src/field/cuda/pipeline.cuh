@@ -84,6 +84,7 @@ struct BandLists {
   TileLists lists;
   LongList long_ones;
   BandWork work;
+  std::int64_t most_cut;
 
   BandLists(gpu::Workspace& memory, std::int64_t triangles, std::int64_t tiles, std::int64_t entries) {
     lists.counts = memory.take<std::uint32_t>(tiles + 1);
@@ -96,9 +97,10 @@ struct BandLists {
     work.capacity =
         tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
     work.items = memory.take<WorkItem>(work.capacity);
-    work.most_cut = tiles < kMostParts ? tiles : kMostParts;
-    work.cut_tiles = memory.take<std::int64_t>(work.most_cut);
-    work.found = memory.take<Counter>(work.most_cut * kTileSamples);
+    most_cut = std::min(tiles, kMostCut);
+    work.most_cut = static_cast<Counter>(most_cut);
+    work.cut_tiles = memory.take<std::int64_t>(most_cut);
+    work.found = memory.take<Counter>(most_cut * kTileSamples);
     work.counts = memory.take<WorkCounts>(1);
   }
 
@@ -127,13 +129,13 @@ struct BandLists {
     launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields,
            lists.counts);
     fill_bytes(stream, work.counts, 0, sizeof *work.counts);
-    fill_bytes(stream, work.found, 0xff, work.most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
+    fill_bytes(stream, work.found, 0xff, most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
     launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
            work, fills);
     launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices, fields,
            lists.entries, work);
     launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, Steps, Fields>,
-           work.most_cut < kManyBlocks ? work.most_cut : kManyBlocks, kBandThreads, lattices, fields, work);
+           std::min<std::int64_t>(most_cut, kManyBlocks), kBandThreads, lattices, fields, work);
   }
 
  private:
@@ -227,15 +229,15 @@ struct ThickBand {
     tiles.sum(counts, chunk_start, parents + 1, stream);
     launch(stream, "clear bounds", clear_bounds, blocks_for(children), kThreads, bound, children);
     fill_bytes(stream, counts, 0, (children + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "bound", bound_children, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
-    launch(stream, "keep", keep_candidates, kManyBlocks, kChunk, l, task.mesh, step, task.outcome);
+    launch(stream, "bound", bound_children, kManyBlocks, kStepThreads, l, task.mesh, step, task.outcome);
+    launch(stream, "keep", keep_candidates, kManyBlocks, kStepThreads, l, task.mesh, step, task.outcome);
     tiles.sum(counts, start[1 - half], children + 1, stream);
     launch(stream, "check room", check_entries, 1, 1, start[1 - half] + children, capacity, task.outcome);
   }
 
   /// Second half of a level: writes the children's lists.
   static void fill_level(const Lattice& l, const Task& task, const Step& step, Stream stream) {
-    launch(stream, "hand down", hand_down, kManyBlocks, kChunk, l, step, task.outcome);
+    launch(stream, "hand down", hand_down, kManyBlocks, kStepThreads, l, step, task.outcome);
   }
 
   /// Computes the field from the tiles' lists in half `half`.

@@ -44,10 +44,10 @@ struct Listed {
   WorkCounts counts{};
   BandWork work{};
 
-  Listed(const std::vector<Counter>& lengths, bool fills) : start(lengths.size() + 1) {
+  Listed(const std::vector<Counter>& lengths, bool fills, Counter most_cut) : start(lengths.size() + 1) {
     std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
     items.resize(static_cast<std::size_t>(kTiles + kMostParts));
-    work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, kTiles, &counts};
+    work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, most_cut, &counts};
     launch(nullptr, "list work", list_work<OneField>, blocks_for(32 * tile_groups(field)), kThreads, field,
            start.data(), work, fills);
   }
@@ -55,11 +55,11 @@ struct Listed {
 
 TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
   std::mt19937 random(7);
-  for (const Counter longest : {Counter{3}, Counter{600}, Counter{60000}})
+  for (const auto& [longest, most_cut] : {std::pair<Counter, Counter>{3, 240}, {600, 240}, {600, 7}, {60000, 240}})
     for (const bool fills : {false, true}) {
       std::vector<Counter> lengths(Listed::kTiles);
       for (Counter& length : lengths) length = random() % 3 == 0 ? random() % longest : 0;
-      const Listed listed(lengths, fills);
+      const Listed listed(lengths, fills, most_cut);
       ASSERT_LE(listed.counts.heavy + listed.counts.light, listed.items.size());
       std::vector<int> seen(listed.start.back()), filled(lengths.size());
       const Counter part = std::max<Counter>(kLeastPart, (listed.start.back() + kMostParts - 1) / kMostParts);
@@ -71,9 +71,15 @@ TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
             if (item.cut >> bit & 1) ++filled[static_cast<std::size_t>(tile + bit)];
           continue;
         }
-        EXPECT_LE(item.count, std::max(part, kHeavyList));
-        EXPECT_EQ(item.cut != kWhole, lengths[static_cast<std::size_t>(tile)] > part);
-        if (item.cut != kWhole) {
+        const Counter length = lengths[static_cast<std::size_t>(tile)];
+        EXPECT_EQ(n < listed.counts.heavy, 2 * length > part) << "long lists come first";
+        if (item.cut == kWhole) {
+          EXPECT_EQ(item.count, length);
+          EXPECT_TRUE(length <= part || listed.counts.cut > most_cut);
+        } else {
+          EXPECT_LE(item.count, part);
+          EXPECT_GT(length, part);
+          ASSERT_LT(item.cut, listed.work.cut_count());
           EXPECT_EQ(listed.cut_tiles[item.cut], tile);
         }
         EXPECT_GE(item.first, listed.start[static_cast<std::size_t>(tile)]);
@@ -106,8 +112,29 @@ TEST(CudaBand, TrianglesAcrossMoreThanAThousandTiles) {
   expect_same(mesh, grid, 1.5);
 }
 
-// More long triangles in a warp than it stages at once: in a list that is staged at once, in one that is not, and in
-// one that is cut.
+TEST(CudaBand, FewLanesShareALongTriangleWhereThereAreMany) {
+  const Counter warps = 64;
+  EXPECT_EQ(lanes_per_long(0, warps), 32);
+  EXPECT_EQ(lanes_per_long(7, warps), 32);
+  EXPECT_EQ(lanes_per_long(8, warps), 16);
+  EXPECT_EQ(lanes_per_long(127, warps), 2);
+  EXPECT_EQ(lanes_per_long(128, warps), 1);
+  EXPECT_EQ(lanes_per_long(1'000'000'000'000, warps), 1);
+}
+
+// Triangles that lanes bin alone, and among them some that have too many tiles for that.
+TEST(CudaBand, WideTrianglesAmongManyLongOnes) {
+  const Grid grid{{96, 96, 96}, {-48, -48, -48}, {1, 1, 1}};
+  for (const int triangles : {2, 20, 90}) {
+    SCOPED_TRACE(triangles);
+    Mesh mesh = standoff::testing::random_soup(113, triangles, 40, 14);
+    for (int n = 0; n < 1 + triangles / 9; ++n)
+      standoff::testing::add_triangle(mesh, {-40.0 + n, -40, 3.0 * n - 20}, {40, 41.0 - n, 20}, {42, -30, 5});
+    expect_same(mesh, grid, 1.5);
+  }
+}
+
+// More long triangles in a warp than it stages at once, in lists of one round and of several, and in one that is cut.
 TEST(CudaBand, ManyLongTrianglesInATile) {
   const Grid grid{{9, 8, 8}, {-4, -4, -4}, {1, 1, 1}};
   for (const int triangles : {12, 40, 120, 300}) {
