@@ -46,6 +46,15 @@ struct TriangleFrame {
   HalfTriangle<F> left, right;
 };
 
+/// The larger of two squares. A GPU has an instruction for it; max() takes two, as it has a rule for NaN.
+template <class F>
+STANDOFF_INLINE F larger_square(const F& a, const F& b) {
+#ifdef __CUDA_ARCH__
+  if constexpr (sizeof(F) == sizeof(float)) return fmaxf(a, b);
+#endif
+  return max(a, b);
+}
+
 /// The last step of all evaluations: the squared distance from z, the coordinate across the hypotenuse (s), the
 /// coordinates along it from both ends (t0 from the base, t1 from the apex), the distance past the base's end (past),
 /// and y.
@@ -58,7 +67,7 @@ STANDOFF_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, cons
   const F below = min(y, zero);
   const F hypotenuse_sq = fma(beside, beside, beyond * beyond);
   const F base_sq = fma(outside, outside, below * below);
-  return fma(z, z, max(hypotenuse_sq, base_sq));
+  return fma(z, z, larger_square(hypotenuse_sq, base_sq));
 }
 
 /// The squared distance of the point whose frame coordinates are (q, y, z).

@@ -16,8 +16,8 @@ namespace standoff::STANDOFF_PLATFORM {
 inline constexpr std::int64_t kMostParts = 16384;
 /// A part has at least this many triangles: a warp stages so many at once.
 inline constexpr Counter kLeastPart = 32;
-/// At most so many lists are cut, as the results of each take 4 KiB of workspace; others stay whole.
-inline constexpr std::int64_t kMostCut = 4096;
+/// At most so many lists are cut, as the results of each take 4 KiB of workspace.
+inline constexpr std::int64_t kMostCut = kMostParts / 4;
 
 inline constexpr std::uint32_t kWhole = 0xffffffffu;
 
@@ -32,20 +32,30 @@ struct WorkItem {
 
 struct WorkCounts {
   Counter heavy, light;  // items of long and short lists, from the front and from the back of the array
-  Counter cut;           // lists that are longer than a part
-  Counter taken;         // items that warps have taken
+  Counter cut;           // tiles whose list was cut
+  Counter taken;         // items that warps have taken after their first one
+  Counter longer[2];     // lists longer than least_part(), and than twice that
 };
+
+/// The least length of parts for so many entries. Fewer than kMostCut lists can be longer than four times that.
+STANDOFF_DEVICE Counter least_part(Counter entries) {
+  const Counter even = (entries + kMostParts - 1) / kMostParts;
+  return even < kLeastPart ? kLeastPart : even;
+}
 
 struct BandWork {
   WorkItem* items;
   std::int64_t capacity;  // the number of items that fit
   std::int64_t* cut_tiles;
   Counter* found;  // per sample of each cut tile: the best of its parts so far
-  Counter most_cut;
   WorkCounts* counts;
 
   STANDOFF_DEVICE Counter size() const { return counts->heavy + counts->light; }
-  STANDOFF_DEVICE Counter cut_count() const { return counts->cut < most_cut ? counts->cut : most_cut; }
+  /// The length of parts: as short as kMostCut allows.
+  STANDOFF_DEVICE Counter part(Counter entries) const {
+    const Counter least = least_part(entries);
+    return counts->longer[0] <= kMostCut ? least : counts->longer[1] <= kMostCut ? 2 * least : 4 * least;
+  }
   STANDOFF_DEVICE const WorkItem& at(Counter n) const {
     const Counter heavy = counts->heavy;
     return items[n < heavy ? static_cast<std::int64_t>(n) : capacity - 1 - static_cast<std::int64_t>(n - heavy)];
@@ -56,6 +66,29 @@ struct BandWork {
 template <class Fields>
 STANDOFF_HD std::int64_t tile_groups(const Fields& fields) {
   return (fields.tiles(0) + 31) / 32 * fields.tiles(1) * fields.tiles(2);
+}
+
+/// After the second pass over the triangles: counts the long lists, and stops a field if it placed fewer triangles than
+/// were counted: the beginning of such a list was never written, and may hold anything. A thread per tile.
+template <class Fields>
+STANDOFF_KERNEL void check_lists(Fields fields, TileLists lists, BandWork work) {
+  __shared__ unsigned longer[2];
+  const std::int64_t index = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x, tiles = tile_count_of(fields);
+  if (threadIdx.x < 2) longer[threadIdx.x] = 0;
+  __syncthreads();
+  if (index < tiles) {
+    const Counter least = least_part(lists.start[tiles]), length = lists.start[index + 1] - lists.start[index];
+    if (length > least) atomicAdd(&longer[0], 1u);
+    if (length > 2 * least) atomicAdd(&longer[1], 1u);
+    if (lists.counts[index] != 0 && !fields.total()->stopped) {
+      std::int64_t tile[3];
+      const std::int64_t number = find_tile(fields, index, tile);
+      if (!fields.has_stopped_alone(number)) stop_for_miscount(fields.field(number).outcome);
+    }
+  }
+  __syncthreads();
+  if (threadIdx.x < 2 && longer[threadIdx.x] != 0)
+    atomicAdd(&work.counts->longer[threadIdx.x], static_cast<Counter>(longer[threadIdx.x]));
 }
 
 /// Lists the items of all tiles: a thread per tile, a warp per group. Empty tiles get items only if they must be
@@ -72,8 +105,7 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
   if (fields.has_stopped_alone(fields.field_of_layer(layer))) return;
   const bool exists = x < fields.tiles(0);
   const Counter first = exists ? start[index] : 0, count = exists ? start[index + 1] - first : 0;
-  const Counter total = start[tiles], even = (total + kMostParts - 1) / kMostParts,
-                part = even < kLeastPart ? kLeastPart : even;
+  const Counter part = work.part(start[tiles]);
   WorkItem item{{x, y, layer}, first, static_cast<std::uint32_t>(count), kWhole};
   const std::uint32_t empty = __ballot_sync(0xffffffffu, fills && exists && count == 0);
   const bool fills_here = lane == 0 && empty != 0;
@@ -89,21 +121,16 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
     work.items[work.capacity - 1 - static_cast<std::int64_t>(place + static_cast<Counter>(__popc(light)))] = {
         {item.tile[0], item.tile[1], item.tile[2]}, 0, 0, empty};
   if (count == 0 || is_light) return;
-  Counter length = count;  // of a part
-  if (count > part) {
-    const Counter cut = atomicAdd(&work.counts->cut, Counter{1});
-    if (cut < work.most_cut) {
-      item.cut = static_cast<std::uint32_t>(cut);
-      work.cut_tiles[cut] = index;
-      length = part;
-    }
+  const Counter parts = (count + part - 1) / part;
+  if (parts > 1) {
+    item.cut = static_cast<std::uint32_t>(atomicAdd(&work.counts->cut, Counter{1}));
+    work.cut_tiles[item.cut] = index;
   }
-  const Counter parts = (count + length - 1) / length;
   place = atomicAdd(&work.counts->heavy, parts);
   for (Counter n = 0; n < parts; ++n) {
-    const Counter left = count - n * length;
-    item.first = first + n * length;
-    item.count = static_cast<std::uint32_t>(left < length ? left : length);
+    const Counter left = count - n * part;
+    item.first = first + n * part;
+    item.count = static_cast<std::uint32_t>(left < part ? left : part);
     work.items[place + n] = item;
   }
 }

@@ -272,17 +272,6 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
   }
 }
 
-/// After the second pass: stops a field if it placed fewer triangles than were counted. The beginning of such a list
-/// was never written, and may hold anything. A thread per tile.
-template <class Fields>
-STANDOFF_KERNEL void check_lists(Fields fields, const std::uint32_t* counts) {
-  const std::int64_t index = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (index >= tile_count_of(fields) || fields.total()->stopped || counts[index] == 0) return;
-  std::int64_t tile[3];
-  const std::int64_t number = find_tile(fields, index, tile);
-  if (!fields.has_stopped_alone(number)) stop_for_miscount(fields.field(number).outcome);
-}
-
 STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
   *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
   for (int n = 0; n < count; ++n) counters[n] = 0;

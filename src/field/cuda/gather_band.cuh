@@ -18,9 +18,11 @@ namespace standoff::STANDOFF_PLATFORM {
 // functions of the frame stay the same, and no lane measures beyond the triangle's reach. A long triangle is compared
 // with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured in the groups that are near.
 
-// So many blocks to a multiprocessor leave 56 registers; the double precision of long triangles could use more.
-inline constexpr int kBandThreads = 128, kBandBlocks = 9;
-inline constexpr int kBandWarps = kBandThreads / 32;
+// Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One field gains more by
+// registers (a twentieth, on an H200), many small ones by warps (a fortieth).
+inline constexpr int kBandThreads = 128, kBandWarps = kBandThreads / 32;
+template <class Fields>
+inline constexpr int kBandBlocks = Fields::kMany ? 9 : 8;
 
 /// The best of a sample as an integer: the bits of the squared distance, which ascend with it because it is not
 /// negative; and below them the nearest triangle's index if it is asked for, so that the lowest wins a tie.
@@ -280,7 +282,7 @@ STANDOFF_DEVICE void merge_part(const Lattice& l, const Tile& tile, Found<kNeare
   STANDOFF_ROLLED
   for (int s = static_cast<int>(threadIdx.x) % 32; s < kTileSamples; s += 32) {
     const Found<kNearest> best = tile.found[found_at(s % 8, s / 8 % 8, s / 64)];
-    if (best < nothing) atomicMin(into + s, best);
+    if (best < nothing && best < load_relaxed(into + s)) atomicMin(into + s, best);
   }
 }
 
@@ -292,22 +294,21 @@ STANDOFF_DEVICE void add_counts(Outcome* outcome, Counter measured, Counter band
   if (band) atomicAdd(&outcome->samples_band, band);
 }
 
-/// Warps take items until none is left. A tile whose list was cut is finished later, by finish_cut_tiles.
+/// Warps take items until none is left: the first one by their own number, as a counter that all of them ask would hold
+/// up small fields. A tile whose list was cut is finished later, by finish_cut_tiles.
 template <bool kNearest, class Steps, class Fields>
-STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks)
+STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks<Fields>)
     gather_band(typename Fields::Lattices lattices, Fields fields, const std::uint32_t* entries, BandWork work) {
   __shared__ BandTile<kNearest, Fields> tiles[kBandWarps];
   if (fields.total()->stopped) return;
   const int lane = static_cast<int>(threadIdx.x) % 32;
   BandTile<kNearest, Fields>& tile = tiles[threadIdx.x / 32];
-  const Counter items = work.size();
-  const auto take = [&] { return lane == 0 ? atomicAdd(&work.counts->taken, Counter{1}) : 0; };
-  Counter band = 0, measured = 0, mine = take();
-  for (;;) {
-    const Counter number = __shfl_sync(0xffffffffu, mine, 0);
-    if (number >= items) break;
-    mine = take();  // early: it is known when needed
+  const Counter items = work.size(), warps = std::uint64_t{gridDim.x} * kBandWarps;
+  Counter band = 0, measured = 0, next = 0;
+  for (Counter number = std::uint64_t{blockIdx.x} * kBandWarps + threadIdx.x / 32; number < items;
+       number = __shfl_sync(0xffffffffu, next, 0)) {
     if (lane == 0) {
+      next = warps + atomicAdd(&work.counts->taken, Counter{1});  // early: it is known when needed
       tile.item = work.at(number);
       if constexpr (Fields::kMany) tile.staged.number = fields.unstack(tile.item.tile);
     }
@@ -351,7 +352,7 @@ template <bool kNearest, class Steps, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
     finish_cut_tiles(typename Fields::Lattices lattices, Fields fields, BandWork work) {
   if (fields.total()->stopped) return;
-  for (Counter n = blockIdx.x * kBandWarps + threadIdx.x / 32; n < work.cut_count(); n += gridDim.x * kBandWarps) {
+  for (Counter n = blockIdx.x * kBandWarps + threadIdx.x / 32; n < work.counts->cut; n += gridDim.x * kBandWarps) {
     const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
     std::int64_t tile[3];
     const std::int64_t number = find_tile(fields, work.cut_tiles[n], tile);

@@ -98,7 +98,6 @@ struct BandLists {
         tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
     work.items = memory.take<WorkItem>(work.capacity);
     most_cut = std::min(tiles, kMostCut);
-    work.most_cut = static_cast<Counter>(most_cut);
     work.cut_tiles = memory.take<std::int64_t>(most_cut);
     work.found = memory.take<Counter>(most_cut * kTileSamples);
     work.counts = memory.take<WorkCounts>(1);
@@ -126,9 +125,8 @@ struct BandLists {
     const std::int64_t per_triangle = triangle_blocks(fields);
     launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
-    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields,
-           lists.counts);
     fill_bytes(stream, work.counts, 0, sizeof *work.counts);
+    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields, lists, work);
     fill_bytes(stream, work.found, 0xff, most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
     launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
            work, fills);

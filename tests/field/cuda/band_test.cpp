@@ -38,16 +38,19 @@ struct Listed {
   std::vector<Counter> start;
   std::vector<WorkItem> items;
   std::vector<std::int64_t> cut_tiles = std::vector<std::int64_t>(kTiles);
+  std::vector<std::uint32_t> left = std::vector<std::uint32_t>(kTiles + 1);  // by the second pass: nothing
   Outcome outcome{};
   Lattice lattice = make_lattice({{317, 24, 16}, {0, 0, 0}, {1, 1, 1}}, 1);
   OneField field{lattice, {{}, {}, 0, Method::tiles, {}, &outcome}};
   WorkCounts counts{};
   BandWork work{};
 
-  Listed(const std::vector<Counter>& lengths, bool fills, Counter most_cut) : start(lengths.size() + 1) {
+  Listed(const std::vector<Counter>& lengths, bool fills) : start(lengths.size() + 1) {
     std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
     items.resize(static_cast<std::size_t>(kTiles + kMostParts));
-    work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, most_cut, &counts};
+    work = {items.data(), static_cast<std::int64_t>(items.size()), cut_tiles.data(), nullptr, &counts};
+    launch(nullptr, "check lists", check_lists<OneField>, blocks_for(kTiles), kThreads, field,
+           TileLists{left.data(), start.data(), nullptr, start.back()}, work);
     launch(nullptr, "list work", list_work<OneField>, blocks_for(32 * tile_groups(field)), kThreads, field,
            start.data(), work, fills);
   }
@@ -55,14 +58,15 @@ struct Listed {
 
 TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
   std::mt19937 random(7);
-  for (const auto& [longest, most_cut] : {std::pair<Counter, Counter>{3, 240}, {600, 240}, {600, 7}, {60000, 240}})
+  for (const Counter longest : {Counter{3}, Counter{600}, Counter{60000}})
     for (const bool fills : {false, true}) {
       std::vector<Counter> lengths(Listed::kTiles);
       for (Counter& length : lengths) length = random() % 3 == 0 ? random() % longest : 0;
-      const Listed listed(lengths, fills, most_cut);
+      const Listed listed(lengths, fills);
+      EXPECT_EQ(listed.outcome.stopped, 0);
       ASSERT_LE(listed.counts.heavy + listed.counts.light, listed.items.size());
       std::vector<int> seen(listed.start.back()), filled(lengths.size());
-      const Counter part = std::max<Counter>(kLeastPart, (listed.start.back() + kMostParts - 1) / kMostParts);
+      const Counter part = least_part(listed.start.back());
       for (Counter n = 0; n < listed.work.size(); ++n) {
         const WorkItem& item = listed.work.at(n);
         const auto tile = listed.lattice.tile(item.tile[0], item.tile[1], item.tile[2]);
@@ -75,21 +79,39 @@ TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
         EXPECT_EQ(n < listed.counts.heavy, 2 * length > part) << "long lists come first";
         if (item.cut == kWhole) {
           EXPECT_EQ(item.count, length);
-          EXPECT_TRUE(length <= part || listed.counts.cut > most_cut);
+          EXPECT_LE(length, part);
         } else {
           EXPECT_LE(item.count, part);
           EXPECT_GT(length, part);
-          ASSERT_LT(item.cut, listed.work.cut_count());
+          ASSERT_LT(item.cut, listed.counts.cut);
           EXPECT_EQ(listed.cut_tiles[item.cut], tile);
         }
         EXPECT_GE(item.first, listed.start[static_cast<std::size_t>(tile)]);
         ASSERT_LE(item.first + item.count, listed.start[static_cast<std::size_t>(tile) + 1]);
         for (Counter entry = item.first; entry < item.first + item.count; ++entry) ++seen[entry];
       }
+      for (const Counter times : {1, 2})
+        EXPECT_EQ(listed.counts.longer[times - 1],
+                  std::count_if(lengths.begin(), lengths.end(), [&](Counter n) { return n > times * part; }));
       EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
       for (std::size_t tile = 0; tile < lengths.size(); ++tile)
         ASSERT_EQ(filled[tile], fills && lengths[tile] == 0) << tile;
     }
+}
+
+TEST(CudaBand, PartsAreLongerWhereTooManyListsWouldBeCut) {
+  WorkCounts counts{};
+  const BandWork work{nullptr, 0, nullptr, nullptr, &counts};
+  const Counter entries = 100 * kMostParts - 5;
+  EXPECT_EQ(work.part(7), kLeastPart);
+  EXPECT_EQ(work.part(entries), 100u);
+  counts.longer[0] = kMostCut;
+  EXPECT_EQ(work.part(entries), 100u);
+  counts.longer[0] = kMostCut + 1;
+  counts.longer[1] = kMostCut;
+  EXPECT_EQ(work.part(entries), 200u);
+  counts.longer[1] = kMostCut + 1;
+  EXPECT_EQ(work.part(entries), 400u);
 }
 
 TEST(CudaBand, RowsOfATriangleAreToldApartWithoutDividing) {
