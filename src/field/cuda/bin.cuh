@@ -226,13 +226,13 @@ STANDOFF_DEVICE void bin_share(const typename Fields::Lattices& lattices, const 
 }
 
 /// A lane tests at most so many tiles of a triangle that it does not share with its whole warp. Decides no bit.
-inline constexpr int kTilesPerLane = 32;
+inline constexpr int kTilesPerLane = 16;
 
 /// The number of lanes that share a long triangle, a power of two: all of a warp if there are few triangles, or else
-/// only so many that a sixteenth of the warps have work. For each lane sets the triangle up anew.
+/// only so many that a quarter of the warps have work. For each lane sets the triangle up anew.
 STANDOFF_DEVICE int lanes_per_long(Counter triangles, Counter warps) {
   int lanes = 32;
-  while (lanes > 1 && 16 * triangles >= warps * static_cast<Counter>(64 / lanes)) lanes /= 2;
+  while (lanes > 1 && 4 * triangles >= warps * static_cast<Counter>(64 / lanes)) lanes /= 2;
   return lanes;
 }
 

@@ -351,17 +351,22 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks<Fields>)
 template <bool kNearest, class Steps, class Fields>
 STANDOFF_KERNEL void __launch_bounds__(kBandThreads)
     finish_cut_tiles(typename Fields::Lattices lattices, Fields fields, BandWork work) {
+  __shared__ Found<kNearest> staged[kBandWarps][kTileSamples];
   if (fields.total()->stopped) return;
+  const int warp = static_cast<int>(threadIdx.x) / 32;
   for (Counter n = blockIdx.x * kBandWarps + threadIdx.x / 32; n < work.counts->cut; n += gridDim.x * kBandWarps) {
     const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
+    for (int s = static_cast<int>(threadIdx.x) % 32; s < kTileSamples; s += 32) staged[warp][s] = from[s];
+    __syncwarp();
     std::int64_t tile[3];
     const std::int64_t number = find_tile(fields, work.cut_tiles[n], tile);
     const Lattice& l = fields.lattice(lattices, number);
     const auto& field = fields.field(number);
     const int within[3] = {inside<kTileSide>(l, tile, 0), inside<kTileSide>(l, tile, 1), inside<kTileSide>(l, tile, 2)};
     const unsigned band = finish_band<kNearest, Steps>(
-        l, tile, within, field.output, [&](int x, int y, int z) { return from[x + 8 * y + 64 * z]; });
+        l, tile, within, field.output, [&](int x, int y, int z) { return staged[warp][x + 8 * y + 64 * z]; });
     add_counts(field.outcome, 0, band);
+    __syncwarp();
   }
 }
 

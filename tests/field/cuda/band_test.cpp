@@ -137,20 +137,20 @@ TEST(CudaBand, TrianglesAcrossMoreThanAThousandTiles) {
 TEST(CudaBand, FewLanesShareALongTriangleWhereThereAreMany) {
   const Counter warps = 64;
   EXPECT_EQ(lanes_per_long(0, warps), 32);
-  EXPECT_EQ(lanes_per_long(7, warps), 32);
-  EXPECT_EQ(lanes_per_long(8, warps), 16);
-  EXPECT_EQ(lanes_per_long(127, warps), 2);
-  EXPECT_EQ(lanes_per_long(128, warps), 1);
+  EXPECT_EQ(lanes_per_long(31, warps), 32);
+  EXPECT_EQ(lanes_per_long(32, warps), 16);
+  EXPECT_EQ(lanes_per_long(511, warps), 2);
+  EXPECT_EQ(lanes_per_long(512, warps), 1);
   EXPECT_EQ(lanes_per_long(1'000'000'000'000, warps), 1);
 }
 
 // Triangles that lanes bin alone, and among them some that have too many tiles for that.
 TEST(CudaBand, WideTrianglesAmongManyLongOnes) {
   const Grid grid{{96, 96, 96}, {-48, -48, -48}, {1, 1, 1}};
-  for (const int triangles : {2, 20, 90}) {
+  for (const int triangles : {2, 20, 200}) {
     SCOPED_TRACE(triangles);
     Mesh mesh = standoff::testing::random_soup(113, triangles, 40, 14);
-    for (int n = 0; n < 1 + triangles / 9; ++n)
+    for (int n = 0; n < 1 + triangles / 20; ++n)
       standoff::testing::add_triangle(mesh, {-40.0 + n, -40, 3.0 * n - 20}, {40, 41.0 - n, 20}, {42, -30, 5});
     expect_same(mesh, grid, 1.5);
   }
