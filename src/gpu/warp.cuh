@@ -44,8 +44,8 @@ STANDOFF_DEVICE Number warp_sum(Number number) {
   return number;
 }
 
-/// The last of `count` ascending numbers that is at most `key`: its index, or 0. The lanes look at 32 numbers at once, so
-/// a million takes four steps. If the numbers do not ascend, the index is one of theirs all the same.
+/// The last of `count` ascending numbers that is at most `key`: its index, or 0. The lanes look at 32 numbers at once,
+/// so a million takes four steps. If the numbers do not ascend, the index is one of theirs all the same.
 template <class Number>
 STANDOFF_DEVICE std::int64_t warp_find(const Number* ascending, std::int64_t count, Number key) {
   const int lane = static_cast<int>(threadIdx.x) % 32;

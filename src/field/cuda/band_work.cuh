@@ -11,8 +11,8 @@ namespace standoff::STANDOFF_PLATFORM {
 // warps take at once. Most tiles have no triangle; in dense memory they are filled 32 at a time, which keeps the
 // memory busy while other warps compute.
 
-/// Cutting lists adds at most this many parts: enough for every warp of a GPU to have several, even if all triangles lie
-/// in one tile. Decides no bit, and neither do the next two.
+/// Cutting lists adds at most this many parts: enough for every warp of a GPU to have several, even if all triangles
+/// lie in one tile. Decides no bit, and neither do the next two.
 inline constexpr std::int64_t kMostParts = 16384;
 /// A part has at least this many triangles: a warp stages so many at once.
 inline constexpr Counter kLeastPart = 32;
@@ -92,7 +92,8 @@ STANDOFF_KERNEL void check_lists(Fields fields, TileLists lists, BandWork work) 
 }
 
 /// Lists the items of all tiles: a thread per tile, a warp per group. Empty tiles get items only if they must be
-/// filled. Lists of more than half a part come first, so that none is left when all others are done. The order of items depends on the timing of threads, but no bit of the field does.
+/// filled. Lists of more than half a part come first, so that none is left when all others are done. The order of items
+/// depends on the timing of threads, but no bit of the field does.
 template <class Fields>
 STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork work, bool fills) {
   if (fields.total()->stopped) return;
@@ -135,8 +136,8 @@ STANDOFF_KERNEL void list_work(Fields fields, const Counter* start, BandWork wor
   }
 }
 
-/// Fills the tiles of an item without a list with the value far from all triangles. All lanes take part: they fill a row
-/// of samples through all of the tiles at once.
+/// Fills the tiles of an item without a list with the value far from all triangles. All lanes take part: they fill a
+/// row of samples through all of the tiles at once.
 STANDOFF_DEVICE void fill_tiles(const Lattice& l, const WorkItem& item, const DeviceOutput& output) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   const std::int64_t left = l.size[0] - item.tile[0] * kTileSide;
@@ -238,8 +239,8 @@ struct Staged32 {
   unsigned rows;          // the rows of all other triangles
 };
 
-/// Stages the short triangles that reach the tile, and their rows: a lane per triangle, where it has one. All lanes take
-/// part.
+/// Stages the short triangles that reach the tile, and their rows: a lane per triangle, where it has one. All lanes
+/// take part.
 STANDOFF_DEVICE Staged32 stage_short(const Lattice& l, const DeviceMesh& mesh, const TileView& view,
                                      std::uint32_t triangle, bool has_one, BandStage& stage) {
   const int lane = static_cast<int>(threadIdx.x) % 32;

@@ -251,8 +251,9 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
     const bool is_huge = n < huge_shares;
     const Counter mine = is_huge ? n / kWarpsPerHuge : (n - huge_shares) * each + static_cast<Counter>(lane / lanes);
     const bool exists = is_huge || mine < count;
-    const std::uint32_t own =
-        long_ones.numbers[is_huge ? long_ones.capacity - 1 - static_cast<std::int64_t>(mine) : exists ? mine : 0];
+    const std::uint32_t own = long_ones.numbers[is_huge  ? long_ones.capacity - 1 - static_cast<std::int64_t>(mine)
+                                                : exists ? mine
+                                                         : 0];
     std::uint32_t listed = own;
     int share = is_huge ? static_cast<int>(n % kWarpsPerHuge) * 32 + lane : lane % lanes;
     int shares = is_huge ? kWarpsPerHuge * 32 : lanes;

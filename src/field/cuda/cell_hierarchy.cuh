@@ -169,8 +169,11 @@ struct CandidateCorners {
 STANDOFF_DEVICE CandidateCorners candidate_corners(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
                                                    const Chunk& chunk) {
   const Corners c = corners_of(mesh, triangle);
-  CandidateCorners at{narrowed(local(l, c.at[0], chunk.center)), narrowed(local(l, c.at[1], chunk.center)),
-                      narrowed(local(l, c.at[2], chunk.center)), {}, 0};
+  CandidateCorners at{narrowed(local(l, c.at[0], chunk.center)),
+                      narrowed(local(l, c.at[1], chunk.center)),
+                      narrowed(local(l, c.at[2], chunk.center)),
+                      {},
+                      0};
   at.box = box_of(at.a, at.b, at.c);
   at.slack = fma(max(farthest_coordinate(at.box), chunk.extent), kSlackOfCoordinate, kSlack);
   return at;

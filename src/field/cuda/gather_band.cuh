@@ -11,8 +11,9 @@
 namespace standoff::STANDOFF_PLATFORM {
 
 // A warp measures the triangles that it has staged, 32 at a time. The best of each sample of the tile lies in shared
-// memory, and is lowered by atomic minima, as several lanes may reach the same sample: so the order of triangles changes
-// no bit. Warps share nothing, so no warp waits for another one, and each stages as many triangles at once as there are.
+// memory, and is lowered by atomic minima, as several lanes may reach the same sample: so the order of triangles
+// changes no bit. Warps share nothing, so no warp waits for another one, and each stages as many triangles at once as
+// there are.
 //
 // A short triangle reaches a few samples of the tile. A lane takes a row of them, along which two thirds of the linear
 // functions of the frame stay the same, and no lane measures beyond the triangle's reach. A long triangle is compared
@@ -334,9 +335,8 @@ STANDOFF_KERNEL void __launch_bounds__(kBandThreads, kBandBlocks<Fields>)
         merge_part<kNearest>(
             l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
       else
-        band += finish_band<kNearest, Steps>(
-            l, tile.item.tile, tile.view.inside, field.output,
-            [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+        band += finish_band<kNearest, Steps>(l, tile.item.tile, tile.view.inside, field.output,
+                                             [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
       if constexpr (Fields::kMany) {
         add_counts(field.outcome, measured, band);
         measured = band = 0;

@@ -126,7 +126,8 @@ struct BandLists {
     launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
     fill_bytes(stream, work.counts, 0, sizeof *work.counts);
-    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields, lists, work);
+    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields, lists,
+           work);
     fill_bytes(stream, work.found, 0xff, most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
     launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
            work, fills);

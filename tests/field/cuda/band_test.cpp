@@ -76,7 +76,7 @@ TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
           continue;
         }
         const Counter length = lengths[static_cast<std::size_t>(tile)];
-        EXPECT_EQ(n < listed.counts.heavy, 2 * length > part) << "long lists come first";
+        EXPECT_EQ(n<listed.counts.heavy, 2 * length> part) << "long lists come first";
         if (item.cut == kWhole) {
           EXPECT_EQ(item.count, length);
           EXPECT_LE(length, part);
