@@ -60,7 +60,7 @@ STANDOFF_API SlicePlane slice_plane(const DistanceField& field, const SliceOptio
 
 /// Draws the samples of a plane with a legend, scales in world units and contour lines, and writes a PNG picture, which
 /// appears whole or not at all. The plane's first axis points right and its second up: x and y for axis z, x and z for
-/// y, y and z for x. The colours span the finite values of the plane; values clamped to the thickness, and infinite
+/// y, y and z for x; if the first one is the field's up axis (Provenance::up), the other way round. The colours span the finite values of the plane; values clamped to the thickness, and infinite
 /// ones, are grey, darker inside; those that are no numbers are pink. A field has a sign if its provenance says so or
 /// a value is negative: then a line is drawn where the values, interpolated between samples, pass 0, and the colours of
 /// `diverging` span equally far to both sides. Without a sign, Colormap::automatic draws the surface white, and its

@@ -29,6 +29,9 @@ struct Plane {
 /// The samples of the plane that slice_plane() chooses. Errors: as there.
 Plane plane_of(const DistanceField& field, const SliceOptions& options);
 
+/// The plane with the axis `up` upwards, if that lies in it: such a plane is turned over its diagonal.
+Plane upright(const Plane& plane, std::optional<Axis> up);
+
 /// How much each plane of samples shows: for each axis, one number for each sample along it.
 struct PlaneScores {
   std::array<std::vector<std::int64_t>, 3> along;

@@ -177,7 +177,7 @@ SlicePicture draw_slice(const DistanceField& field, const SliceOptions& options)
   check_words("title", options.title);
   check_words("unit", options.unit);
   check_words("legend", options.legend);
-  const Plane plane = plane_of(field, options);
+  const Plane plane = upright(plane_of(field, options), field.provenance().up);
   const Extent extent = enlarged(plane, options.pixels);
   const bool is_signed = field.has_sign();
   Colormap map = options.colormap;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "core/guarded.h"
 #include "core/tile_count.h"
@@ -219,6 +220,19 @@ Plane plane_of(const DistanceField& field, const SliceOptions& options) {
     plane.count = options.part->count;
   }
   return plane;
+}
+
+Plane upright(const Plane& plane, std::optional<Axis> up) {
+  if (!up || plane.right != name_of(*up)) return plane;
+  Plane turned = plane;
+  std::swap(turned.right, turned.up);
+  std::swap(turned.width, turned.height);
+  std::swap(turned.first_right, turned.first_up);
+  std::swap(turned.step_right, turned.step_up);
+  auto out = turned.values.begin();
+  for (std::int64_t u = 0; u < turned.height; ++u)
+    for (std::int64_t r = 0; r < turned.width; ++r) *out++ = plane.value(u, r);
+  return turned;
 }
 
 SlicePlane slice_plane(const DistanceField& field, const SliceOptions& options) try {

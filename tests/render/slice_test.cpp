@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <set>
@@ -61,6 +62,39 @@ TEST(Slice, EverySampleHasItsPlaceAndColor) {
     expect_colors(field, options, [&](auto r, auto u) { return field.value(5, r, u); });
     options.index = 10;
     expect_colors(field, options, [&](auto r, auto u) { return field.value(10, r, u); });
+  }
+}
+
+// What points up in the mesh points up in the picture, where it lies in the plane.
+TEST(Slice, TheUpAxisPointsUp) {
+  DistanceField field = odd_field();
+  SliceOptions options;
+  options.colormap = Colormap::viridis;
+  options.interpolation = Interpolation::nearest;
+  options.contours = false;
+  options.at = 0.5;
+  for (const Axis axis : {Axis::x, Axis::y, Axis::z}) {
+    options.axis = axis;
+    const Plane usual = plane_of(field, options);
+    for (const Axis up : {Axis::x, Axis::y, Axis::z}) {
+      field.set_provenance({"tiles", 0, "", "", up});
+      const bool turns = usual.right == name_of(up);
+      const Plane plane = upright(plane_of(field, options), up);
+      EXPECT_EQ(plane.up, turns ? usual.right : usual.up);
+      EXPECT_EQ(plane.step_up, turns ? usual.step_right : usual.step_up);
+      EXPECT_EQ(plane.first_right, turns ? usual.first_up : usual.first_right);
+      EXPECT_EQ(plane.normal, usual.normal);
+      const SlicePicture picture = draw_slice(field, options);
+      const auto [least, greatest] = std::ranges::minmax(usual.values);
+      for (std::int64_t u = 0; u < plane.height; ++u)
+        for (std::int64_t r = 0; r < plane.width; ++r) {
+          const float value = turns ? usual.value(u, r) : usual.value(r, u);
+          EXPECT_EQ(sample(picture, plane, r, u),
+                    color_of(options.colormap,
+                             (static_cast<double>(value) - least) / (static_cast<double>(greatest) - least)))
+              << name_of(axis) << name_of(up) << ' ' << r << ',' << u;
+        }
+    }
   }
 }
 
