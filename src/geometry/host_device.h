@@ -15,3 +15,11 @@
 #else
 #define STANDOFF_INLINE inline __attribute__((always_inline))
 #endif
+
+// The larger of two floats that are not NaN: one instruction of a GPU, where a comparison that says what becomes of NaN
+// takes two.
+#if defined(__CUDA_ARCH__)
+#define STANDOFF_LARGER(a, b) fmaxf(a, b)
+#else
+#define STANDOFF_LARGER(a, b) ((a) > (b) ? (a) : (b))
+#endif

@@ -46,14 +46,12 @@ struct TriangleFrame {
   HalfTriangle<F> left, right;
 };
 
-/// The larger of two squares. A GPU has an instruction for it; max() takes two, as it has a rule for NaN.
+/// The larger of two numbers that are not NaN, and of which either zero will do.
 template <class F>
-STANDOFF_INLINE F larger_square(const F& a, const F& b) {
-#ifdef __CUDA_ARCH__
-  if constexpr (sizeof(F) == sizeof(float)) return fmaxf(a, b);
-#endif
+STANDOFF_INLINE F larger(const F& a, const F& b) {
   return max(a, b);
 }
+STANDOFF_INLINE float larger(float a, float b) { return STANDOFF_LARGER(a, b); }
 
 /// The last step of all evaluations: the squared distance from z, the coordinate across the hypotenuse (s), the
 /// coordinates along it from both ends (t0 from the base, t1 from the apex), the distance past the base's end (past),
@@ -67,7 +65,7 @@ STANDOFF_INLINE F combined_distance_sq(const F& z, const F& s, const F& t0, cons
   const F below = min(y, zero);
   const F hypotenuse_sq = fma(beside, beside, beyond * beyond);
   const F base_sq = fma(outside, outside, below * below);
-  return fma(z, z, larger_square(hypotenuse_sq, base_sq));
+  return fma(z, z, larger(hypotenuse_sq, base_sq));
 }
 
 /// The squared distance of the point whose frame coordinates are (q, y, z).
