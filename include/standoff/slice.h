@@ -60,14 +60,14 @@ STANDOFF_API SlicePlane slice_plane(const DistanceField& field, const SliceOptio
 
 /// Draws the samples of a plane with a legend, scales in world units and contour lines, and writes a PNG picture, which
 /// appears whole or not at all. The plane's first axis points right and its second up: x and y for axis z, x and z for
-/// y, y and z for x; if the first one is the field's up axis (Provenance::up), the other way round. The colours span the finite values of the plane; values clamped to the thickness, and infinite
-/// ones, are grey, darker inside; those that are no numbers are pink. A field has a sign if its provenance says so or
-/// a value is negative: then a line is drawn where the values, interpolated between samples, pass 0, and the colours of
-/// `diverging` span equally far to both sides. Without a sign, Colormap::automatic draws the surface white, and its
-/// colours end where 95 % of the samples do, unless the rest is hardly farther. Contour lines that would be nearer than
-/// eight pixels are left out. If a side would have more than 8192 pixels, samples are left out. Takes memory for the
-/// plane and the picture; the field stays sparse.
-/// Errors: usage (options out of range, or built without libpng), output.
+/// y, y and z for x; if the first one is the field's up axis (Provenance::up), the other way round. The colours span
+/// the finite values of the plane; values clamped to the thickness, and infinite ones, are grey, darker inside; those
+/// that are no numbers are pink. A field has a sign if its provenance says so or a value is negative: then a line is
+/// drawn where the values, interpolated between samples, pass 0, and the colours of `diverging` span equally far to
+/// both sides. Without a sign, Colormap::automatic draws the surface white, and its colours end where 95 % of the
+/// samples do, unless the rest is hardly farther. Contour lines that would be nearer than eight pixels are left out. If
+/// a side would have more than 8192 pixels, samples are left out. Takes memory for the plane and the picture; the field
+/// stays sparse. Errors: usage (options out of range, or built without libpng), output.
 STANDOFF_API void write_slice_png(const std::filesystem::path& path, const DistanceField& field,
                                   const SliceOptions& options = {}, Existing existing = Existing::replace);
 
