@@ -42,7 +42,9 @@ class Worker {
   void serve() {
     for (;;) {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return work_.has_value(); });
+      // Not wait(), which asks for a newer libstdc++ than all else does (docs/python_packaging.md).
+      while (!changed_.wait_for(lock, std::chrono::hours(1), [&] { return work_.has_value(); })) {
+      }
       const std::function<void()> work = std::move(*work_);
       work_.reset();
       lock.unlock();

@@ -50,7 +50,9 @@ bool answers_at(const Grid& g, Vec3 p, Outside outside) { return outside != Outs
 struct Bound {
   Vec3 way;      // from q to p
   double least;  // of d
-  double value() const { return std::hypot(length(way), least); }
+  // Not hypot, which asks for a newer C library than all else does (docs/python_packaging.md): a field's values are
+  // floats, whose squares doubles hold.
+  double value() const { return std::sqrt(dot(way, way) + least * least); }
 };
 
 Bound bound_at(const DistanceField& field, Vec3 p, double interpolated) {

@@ -25,20 +25,26 @@ std::string age_of(const DeviceInfo& device) {
          text(lowest_capability());
 }
 
-/// All GPUs that CUDA lists, in its order; none without a driver or a GPU.
-std::vector<DeviceInfo> all_devices() {
+std::vector<DeviceInfo> ask_for_devices(int count) {
   std::vector<DeviceInfo> all;
-  int count = 0;  // stays 0 if there is no driver
-  if (cudaGetDeviceCount(&count) != cudaSuccess) {
-    cudaGetLastError();
-    return all;
-  }
   for (int n = 0; n < count; ++n) {
     cudaDeviceProp properties{};
     check_call(cudaGetDeviceProperties(&properties, n), "cudaGetDeviceProperties");
     all.push_back(
         {properties.name, properties.major, properties.minor, static_cast<std::int64_t>(properties.totalGlobalMem)});
   }
+  return all;
+}
+
+/// All GPUs that CUDA lists, in its order; none without a driver or a GPU. What they are is asked once, as it stays the
+/// same while the process runs, and every mesh wants to know it. An error is not kept.
+std::vector<DeviceInfo> all_devices() {
+  int count = 0;
+  if (cudaGetDeviceCount(&count) != cudaSuccess) {
+    cudaGetLastError();
+    return {};
+  }
+  static const std::vector<DeviceInfo> all = ask_for_devices(count);
   return all;
 }
 

@@ -19,8 +19,8 @@ struct Call {
 };
 
 struct Gpu {
-  std::vector<int> capabilities{90, 90};  // of each GPU, times ten; CUB remembers how many there were at first
-  cudaError_t no_gpu = cudaSuccess;       // what counting GPUs fails with
+  std::vector<int> capabilities{90, 90, 61};  // of each GPU, times ten; the first that a process asks for stay
+  cudaError_t no_gpu = cudaSuccess;           // what counting GPUs fails with
   int driver = 13000;
   std::int64_t memory = std::int64_t{1} << 32;
 
