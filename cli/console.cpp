@@ -145,6 +145,7 @@ void tell_of_pipes() {
 void print(const std::string& text) {
   output_has_begun();
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  if (errno == EPIPE) output_has_no_reader();
   throw Error(ErrorCode::output,
               "standard output: cannot write to it: " + std::string(std::strerror(errno)) + "; send it elsewhere");
 }

@@ -56,7 +56,7 @@ void warn_of_none(const Console& console, const std::string& file, const std::st
 /// Makes the library say on stderr when it waits for the other end of a pipe.
 void tell_of_pipes();
 
-/// Writes text to stdout. Throws Error{output} when that fails.
+/// Writes text to stdout. Throws Error{output} when that fails; of a pipe without a reader nothing is said then.
 void print(const std::string& text);
 /// Writes one object or list to stdout.
 void print(const Json& json);
