@@ -135,6 +135,13 @@ void warn_of_none(const Console& console, const std::string& file, const std::st
   console.warn((file == "-" ? "standard input" : file) + ": there is no " + noun + " in it, and so no answer");
 }
 
+void say_sign(const Console& console, const SignReport& sign) {
+  if (sign.why.empty()) return;
+  const std::string line =
+      (sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method)) + ": " + sign.why;
+  sign.sure ? console.say(line) : console.warn(line + "; not certain");
+}
+
 void tell_of_pipes() {
   set_pipe_notice([](const std::string& sentence) {
     if (is_line_drawn()) std::fputs("\r\033[K", stderr);
