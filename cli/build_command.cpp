@@ -51,10 +51,13 @@ void BuildCommand::check() {
 
 void BuildCommand::build_query(const Mesh& mesh) {
   const std::string file = output.path().string();
-  const MeshQuery query = with_spinner(console, "building " + file,
-                                       [&] { return MeshQuery(mesh, {.sign = sign, .execution = options.execution}); });
+  const MeshQuery query = naming_doubt(input.name(), "build", [&] {
+    return with_spinner(console, "building " + file,
+                        [&] { return MeshQuery(mesh, {.sign = sign, .execution = options.execution}); });
+  });
   with_spinner(console, "writing " + file, [&] { query.save(output.path(), output.existing()); });
   const SignReport& report = query.sign();
+  say_sign(console, report);
   console.say(mesh_line(file, mesh) + ", " +
               (report.method == SignMethod::none ? "no sign" : "sign " + std::string(name_of(report.method))) + ", " +
               bytes_text(query.memory_bytes()) + " in memory");

@@ -124,12 +124,6 @@ std::string window_line(const Plan& plan) {
          std::to_string(first.y) + "," + std::to_string(first.z) + " on";
 }
 
-std::string sign_line(const SignReport& sign) {
-  const std::string method =
-      sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method);
-  return method + ": " + sign.why + (sign.sure ? "" : "; not certain");
-}
-
 // What the field takes at most, and the sidecars.
 std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
   const auto& [grid, thickness] = plan.choice;
@@ -190,9 +184,7 @@ void say(const Outcome& outcome, const Console& console) {
   const ComputeReport& report = outcome.report;
   const double load = outcome.plan.load_seconds, prepare = report.seconds.prepare, compute = report.seconds.compute,
                sign = report.seconds.sign, write = outcome.write_seconds;
-  // A sign that is not certain is a warning, also under --quiet.
-  if (!report.sign.why.empty())
-    report.sign.sure ? console.say(sign_line(report.sign)) : console.warn(sign_line(report.sign));
+  say_sign(console, report.sign);
   if (outcome.confidence) console.say(confidence_line(*outcome.confidence));
   if (report.sign.internal > 0) console.say(counted(report.sign.internal, "triangle") + " inside the union left out");
   if (report.sign.cut > 0)
@@ -392,7 +384,9 @@ void ComputeCommand::run() {
   if (plan.window) console.say(window_line(plan));
 
   if (plan.bytes_beside > 0) check_memory(plan, field);
-  Outcome outcome = cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  Outcome outcome = naming_doubt(mesh.name(), "compute", [&] {
+    return cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
+  });
   outcome.written_bytes = written_bytes(output.path());
   say(outcome, console);
   if (console.json()) print(outcome_json(outcome), output.path());

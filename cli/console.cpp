@@ -135,6 +135,13 @@ void warn_of_none(const Console& console, const std::string& file, const std::st
   console.warn((file == "-" ? "standard input" : file) + ": there is no " + noun + " in it, and so no answer");
 }
 
+void say_sign(const Console& console, const SignReport& sign) {
+  if (sign.why.empty()) return;
+  const std::string line =
+      (sign.method == SignMethod::none ? "no sign" : std::string("sign by ") + name_of(sign.method)) + ": " + sign.why;
+  sign.sure ? console.say(line) : console.warn(line + "; not certain");
+}
+
 void tell_of_pipes() {
   set_pipe_notice([](const std::string& sentence) {
     if (is_line_drawn()) std::fputs("\r\033[K", stderr);
@@ -145,6 +152,7 @@ void tell_of_pipes() {
 void print(const std::string& text) {
   output_has_begun();
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return;
+  if (errno == EPIPE) output_has_no_reader();
   throw Error(ErrorCode::output,
               "standard output: cannot write to it: " + std::string(std::strerror(errno)) + "; send it elsewhere");
 }

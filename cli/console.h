@@ -19,6 +19,7 @@
 #include "cli/text.h"
 #include "standoff/compute.h"
 #include "standoff/error.h"
+#include "standoff/sign.h"
 
 namespace standoff::cli {
 
@@ -53,10 +54,13 @@ class Console {
 /// Warns that a file holds no `noun` ("point"). Answers without rows are no error, but the file may be the wrong one.
 void warn_of_none(const Console& console, const std::string& file, const std::string& noun);
 
+/// Says how the sign was decided: as a warning, also when quiet, where that is not certain. Nothing of no sign asked for.
+void say_sign(const Console& console, const SignReport& sign);
+
 /// Makes the library say on stderr when it waits for the other end of a pipe.
 void tell_of_pipes();
 
-/// Writes text to stdout. Throws Error{output} when that fails.
+/// Writes text to stdout. Throws Error{output} when that fails; of a pipe without a reader nothing is said then.
 void print(const std::string& text);
 /// Writes one object or list to stdout.
 void print(const Json& json);
@@ -97,6 +101,17 @@ auto with_progress(const Console& console, ProgressCallback& told, Work work) {
   told = nullptr;  // ends the bar
   if (interrupted()) throw Error(ErrorCode::interrupted, "interrupted");
   return result;
+}
+
+/// Returns the result of a verb's work on a mesh. An Error{doubt} names both: `FILE: VERB: the sign is not certain`.
+template <class Work>
+auto naming_doubt(const std::string& file, const char* verb, Work work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::doubt) throw;
+    throw Error(error.code(), file + ": " + verb + ": " + error.what(), error.details());
+  }
 }
 
 /// Returns the result of `work`, and meanwhile shows what is waited for. With --verbose it says how long that took.

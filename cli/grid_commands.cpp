@@ -71,8 +71,9 @@ void CrossingsCommand::run() {
   validate(loaded);
   const GridChoice choice = grid.choose(bounds(loaded));
   console.say(mesh_line(mesh.name(), loaded));
-  const std::vector<EdgeCrossing> crossings =
-      with_progress(console, options.progress, [&] { return edge_crossings(loaded, choice.grid, options); });
+  const std::vector<EdgeCrossing> crossings = naming_doubt(mesh.name(), "crossings", [&] {
+    return with_progress(console, options.progress, [&] { return edge_crossings(loaded, choice.grid, options); });
+  });
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_crossings(output.path(), crossings, choice.grid, output.existing()); });
   tell(loaded, choice, crossings);
@@ -172,9 +173,13 @@ void VoxelsCommand::run() {
   console.say(mesh_line(mesh.name(), loaded));
   console.say(grid_line(choice));
   ProgressCallback progress;
-  const Occupancy voxels = with_progress(console, progress, [&] { return make(loaded, choice.grid, progress); });
+  const Occupancy voxels = naming_doubt(mesh.name(), "voxels", [&] {
+    return with_progress(console, progress, [&] { return make(loaded, choice.grid, progress); });
+  });
   if (!surface && voxels.sign.method == SignMethod::none)
     console.warn(mesh.name() + ": no voxel is solid: " + voxels.sign.why + "; --surface needs no inside");
+  else
+    say_sign(console, voxels.sign);
   with_spinner(console, "writing " + output.path().string(),
                [&] { write_voxels(output.path(), voxels, output.existing()); });
   tell(loaded, voxels);

@@ -236,7 +236,8 @@ MeshQuery PointsCommand::query() const {
       return MeshQuery(loaded, {options.sign, {.threads = options.execution.threads}});
     });
   } catch (const Error& error) {
-    throw Error(error.code(), mesh.name() + ": " + error.what(), error.details());
+    const char* const verb = error.code() == ErrorCode::doubt ? "points: " : "";  // as naming_doubt() has it
+    throw Error(error.code(), mesh.name() + ": " + verb + error.what(), error.details());
   }
 }
 
@@ -247,6 +248,7 @@ void PointsCommand::run() {
   auto start = std::chrono::steady_clock::now();
   const MeshQuery prepared = query();
   const double build_seconds = seconds_since(start);
+  say_sign(console, prepared.sign());
   start = std::chrono::steady_clock::now();
   const std::string file = to_stdout() ? "" : output.path().string();
   const auto writer = !to_stdout() ? create_answers(output.path(), asked, output.existing())

@@ -24,6 +24,7 @@ std::atomic<bool> signalled{false};
 std::atomic<int> cancellable_count{0};
 std::atomic<bool> line_drawn{false};
 std::atomic<bool> output_begun{false};
+std::atomic<bool> output_unread{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 // Holds text without allocating, as a signal handler must.
@@ -126,6 +127,7 @@ void next_step_is(std::string_view text) {
   next_step.add(text);
 }
 void output_has_begun() { output_begun = true; }
+void output_has_no_reader() { output_unread = true; }
 
 void line_is_drawn(bool drawn) { line_drawn = drawn; }
 bool is_line_drawn() { return line_drawn; }
@@ -133,6 +135,8 @@ bool is_line_drawn() { return line_drawn; }
 namespace {
 
 int fail(ErrorCode code, const std::string& message) {
+  // Who stops reading, as head does, has what it wanted.
+  if (code == ErrorCode::output && output_unread) return static_cast<int>(code);
   std::fprintf(stderr, "standoff: error: %s\n", message_line(message).c_str());
   return static_cast<int>(code);
 }

@@ -38,6 +38,9 @@ void next_step_is(std::string_view text);
 
 /// Says that data goes to the standard output, which an interrupt would cut off.
 void output_has_begun();
+/// Says that the standard output is a pipe that nobody reads any more: an ErrorCode::output ends the program without a
+/// line then.
+void output_has_no_reader();
 
 /// Notes whether a line is drawn on the terminal: the message of a signal wipes it first.
 void line_is_drawn(bool drawn);

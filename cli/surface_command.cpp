@@ -28,7 +28,7 @@ struct SurfaceSubject {
 
 void say(const SurfaceResult& found, const std::string& output, const Console& console) {
   const SurfaceReport& report = found.report;
-  if (!report.sign.why.empty()) console.say("sign: " + report.sign.why + (report.sign.sure ? "" : " (not certain)"));
+  say_sign(console, report.sign);
   console.say(mesh_line(output, found.mesh) + (report.floats ? "" : ", 64-bit coordinates"));
   if (report.examined) {
     console.say(counted(report.components, "component") + ", " + (report.intersections_known ? "" : "at least ") +
@@ -205,7 +205,9 @@ SurfaceResult SurfaceCommand::of_mesh() {
   set_levels(spacing);
   options.sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
-  return with_progress(console, options.progress, [&] { return surface(mesh, subject.grid, options); });
+  return naming_doubt(input.name(), "surface", [&] {
+    return with_progress(console, options.progress, [&] { return surface(mesh, subject.grid, options); });
+  });
 }
 
 void SurfaceCommand::run() {

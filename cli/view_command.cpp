@@ -126,11 +126,13 @@ void ViewCommand::compute_field(Subject& subject) {
   const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
   compute_options.up = up;
-  ComputeResult computed = with_progress(console, compute_options.progress, [&] {
-    return compute(subject.meshes.front().mesh, choice.grid, choice.thickness, compute_options);
+  ComputeResult computed = naming_doubt(files.front(), "view", [&] {
+    return with_progress(console, compute_options.progress, [&] {
+      return compute(subject.meshes.front().mesh, choice.grid, choice.thickness, compute_options);
+    });
   });
-  console.say("field: " + size_text(choice.grid.size) + " samples, " +
-              (computed.report.sign.method == SignMethod::none ? "no sign" : computed.report.sign.why));
+  console.say("field: " + size_text(choice.grid.size) + " samples");
+  say_sign(console, computed.report.sign);
   subject.fields.push_back(std::move(computed.field));
   subject.field_names.push_back("field of " + name);
 }
@@ -143,7 +145,7 @@ void ViewCommand::serve(Subject subject) {
     live = {std::max({size.x, size.y, size.z}), choice.thickness, false, compute_options.sign,
             compute_options.execution};
   }
-  ViewServer view(std::move(subject), page, live, field_argument.memory_limit());
+  ViewServer view(std::move(subject), page, live, field_argument.memory_limit(), console);
   server.serve(console, view.watch(), [&](auto&&... asked) { view.answer(asked...); });
 }
 

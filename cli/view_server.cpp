@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "cli/json.h"
 #include "cli/parse.h"
@@ -96,8 +97,8 @@ std::vector<PageField> ViewSubject::page_fields() const {
 }
 
 ViewServer::ViewServer(ViewSubject subject, const PageOptions& page, const std::optional<LiveSettings>& live,
-                       std::int64_t memory_limit)
-    : subject_(std::move(subject)), page_(page) {
+                       std::int64_t memory_limit, const Console& console)
+    : subject_(std::move(subject)), page_(page), console_(console) {
   page_.served = true;
   if (!page_.up) page_.up = up_axis(subject_.page_meshes(), subject_.page_fields());
   if (!live) return;
@@ -177,7 +178,15 @@ std::shared_ptr<const std::string> ViewServer::data(const std::string& id) {
 void ViewServer::compute(const Request& request, Reply& reply) {
   const auto field = live_->field(settings_of(request, live_->settings()), [&] { return reply.abandoned(); });
   if (!field) return reply.refuse({409, "something newer was asked for"});
+  say_new_sign();
   reply.send(200, kBytesType, *field);
+}
+
+// Once for each decision, not for each grid that is tried.
+void ViewServer::say_new_sign() {
+  const SignReport sign = live_->sign();
+  const std::lock_guard lock(saying_);
+  if (std::exchange(said_, sign.why) != sign.why) say_sign(console_, sign);
 }
 
 void ViewServer::point(const Request& request, Reply& reply) {

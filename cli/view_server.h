@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/console.h"
 #include "cli/serve.h"
 #include "standoff/field.h"
 #include "standoff/mesh.h"
@@ -38,7 +39,7 @@ class ViewServer {
   /// `live`: the settings that the field of the first mesh begins with; none: what was given is shown, nothing
   /// computed.
   ViewServer(ViewSubject subject, const PageOptions& page, const std::optional<view::LiveSettings>& live,
-             std::int64_t memory_limit);
+             std::int64_t memory_limit, const Console& console);
 
   void answer(const view::Request& request, std::string_view route, view::Reply& reply);
   view::PageWatch& watch() { return watch_; }
@@ -47,6 +48,7 @@ class ViewServer {
   std::string state(std::optional<Axis> up = {}) const;  // of a mesh that has just come
   std::shared_ptr<const std::string> data(const std::string& id);
   void compute(const view::Request& request, view::Reply& reply);
+  void say_new_sign();
   void point(const view::Request& request, view::Reply& reply);
   void upload(const view::Request& request, view::Reply& reply);
   void events(view::Reply& reply);
@@ -55,6 +57,10 @@ class ViewServer {
   PageOptions page_;
   std::unique_ptr<view::LiveView> live_;
   view::PageWatch watch_;
+
+  const Console& console_;
+  std::mutex saying_;
+  std::string said_;  // of the sign, last
 
   std::mutex packing_;
   std::map<std::string, std::shared_ptr<const std::string>> packed_;  // by id and version

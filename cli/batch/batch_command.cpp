@@ -219,6 +219,7 @@ void BatchRun::ended(std::int64_t number, const TaskEnd& end) {
   if (answer.code != 0) sink_->forget(mesh);
   manifest_.append(answer.row);
   ++summary_.counts[answer.code];
+  summary_.unsure += answer.unsure;
   ++rows_;
   failed_ += answer.code != 0;
 }
@@ -448,6 +449,9 @@ void BatchCommand::tell(const BatchSummary& summary, const char* what) const {
     line += "; in " + seconds_text(summary.seconds) + ", " + number(static_cast<double>(rows) / summary.seconds) +
             " a second";
   console.say(line);
+  if (summary.unsure > 0)
+    console.warn("the sign of " + counted(summary.unsure, "mesh") + " is not certain: sign.sure is false in " +
+                 manifest + ", and sign.why says more");
 }
 
 void BatchCommand::run() {
@@ -460,11 +464,13 @@ void BatchCommand::run() {
     summary = work_through();
     tell(summary, "");
   }
-  StatusCounts counts = summary.counts;
   if (report) {
-    counts = write_batch_report(folder, {.workers = making.workers}, console);
-    console.say((folder / "report.html").string() + ": " + counts_text(counts));
-    if (list.empty() && !merge) summary.counts = counts;
+    const ReportedCounts reported = write_batch_report(folder, {.workers = making.workers}, console);
+    console.say((folder / "report.html").string() + ": " + counts_text(reported.by_status));
+    if (list.empty() && !merge) {
+      summary.counts = reported.by_status;
+      summary.unsure = reported.unsure;
+    }
   }
   if (console.json()) print(summary_json(summary));
   std::int64_t failed = 0;

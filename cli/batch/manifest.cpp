@@ -66,6 +66,10 @@ void wait_for_disk([[maybe_unused]] const fs::path& folder) {
 
 std::string row_text(const Json& row) { return row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
+bool is_unsure(const Json& row) {
+  return row.at("code") == 0 && row.contains("sign") && row.at("sign").at("sure") == false;
+}
+
 std::optional<std::uint64_t> parse_hash(const std::string& text) {
   std::uint64_t hash = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), hash, 16);
@@ -201,6 +205,7 @@ Json summary_json(const BatchSummary& summary) {
   json["parameters"] = summary.parameters;
   json["rows"] = rows;
   json["counts"] = counts_json(summary.counts);
+  json["unsure"] = summary.unsure;
   json["skipped"] = summary.skipped;
   json["seconds"] = summary.seconds;
   return json;

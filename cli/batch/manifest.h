@@ -31,6 +31,8 @@ void wait_for_disk(const std::filesystem::path& folder);
 
 /// A line of JSON, ended. Bytes of names that are no UTF-8 are replaced.
 std::string row_text(const Json& row);
+/// Whether a row tells of a result whose sign is not certain.
+bool is_unsure(const Json& row);
 /// Sixteen hexadecimal digits; nothing for other text.
 std::optional<std::uint64_t> parse_hash(const std::string& text);
 
@@ -121,6 +123,7 @@ struct BatchSummary {
   std::uint64_t list_hash = 0;  ///< of their names, in order
   std::string parameters;       ///< the hash of the parameters
   StatusCounts counts;          ///< of rows that were written
+  std::int64_t unsure = 0;      ///< of these, results whose sign is not certain
   std::int64_t skipped = 0;     ///< meshes whose rows an earlier run wrote
   double seconds = 0;
 };

@@ -78,6 +78,7 @@ struct Place {
   std::uint32_t length = 0;  // 0: there is none
   std::int32_t shard = 0;
   int code = 0;
+  bool unsure = false;
 };
 
 std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& shards, std::int64_t listed) {
@@ -91,7 +92,7 @@ std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& s
         throw Error(ErrorCode::input, path.string() + ":line " + std::to_string(line.number) + ": mesh " +
                                           std::to_string(index) + " is not of this shard; run it again with -f");
       places[static_cast<std::size_t>(index)] = {line.offset, static_cast<std::uint32_t>(line.text.size() + 1),
-                                                 static_cast<std::int32_t>(s), row.at("code").get<int>()};
+                                                 static_cast<std::int32_t>(s), row.at("code").get<int>(), is_unsure(row)};
     });
   }
   for (std::size_t index = 0; index < places.size(); ++index)
@@ -150,6 +151,7 @@ BatchSummary merge_shards(const fs::path& folder) {
     const std::string_view row = manifests[static_cast<std::size_t>(place.shard)]->text(place.offset, place.length);
     merged.write(row.data(), row.size());
     ++summary.counts[place.code];
+    summary.unsure += place.unsure;
   }
   merged.commit();
   if (const auto array = array_layout_of(folder, summary.parameters))

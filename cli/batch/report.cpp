@@ -31,7 +31,7 @@ struct Failure {
 };
 
 struct Findings {
-  StatusCounts counts;
+  ReportedCounts counts;
   std::vector<Failure> failures;  // the first ones, in the order of the list
   std::int64_t failed = 0;
 };
@@ -56,15 +56,17 @@ Findings look_through(const std::vector<fs::path>& manifests) {
     std::size_t manifest;
     std::uint64_t line;
     int code;
+    bool unsure;
   };
   std::unordered_map<std::int64_t, Last> last;  // of each mesh
   for (std::size_t m = 0; m < manifests.size(); ++m)
     each_row(manifests[m], [&](const Json& row, const ManifestLine& line) {
-      last[row.at("index").get<std::int64_t>()] = {m, line.number, row.at("code").get<int>()};
+      last[row.at("index").get<std::int64_t>()] = {m, line.number, row.at("code").get<int>(), is_unsure(row)};
     });
   Findings found;
   for (const auto& [index, row] : last) {
-    ++found.counts[row.code];
+    ++found.counts.by_status[row.code];
+    found.counts.unsure += row.unsure;
     found.failed += row.code != 0;
   }
   for (std::size_t m = 0; m < manifests.size(); ++m)
@@ -150,11 +152,13 @@ img { width: 120px; height: 90px; display: block; }
 
 std::string html_of(const fs::path& folder, const Findings& found) {
   std::int64_t all = 0;
-  for (const auto& [code, count] : found.counts) all += count;
+  for (const auto& [code, count] : found.counts.by_status) all += count;
   std::string html(kPageBegin);
   html += "<h1>" + escaped_html(folder.string()) + "</h1>\n<p>" + counted(all, "mesh") + ", " + grouped(found.failed) +
-          " failed.</p>\n<table><tr><th>status<th>exit code<th>meshes</tr>\n";
-  for (const auto& [code, count] : found.counts)
+          " failed" +
+          (found.counts.unsure > 0 ? "; the sign of " + grouped(found.counts.unsure) + " is not certain" : "") +
+          ".</p>\n<table><tr><th>status<th>exit code<th>meshes</tr>\n";
+  for (const auto& [code, count] : found.counts.by_status)
     html += "<tr><td>" + std::string(status_name(code)) + "<td class=n>" + std::to_string(code) + "<td class=n>" +
             grouped(count) + "</tr>\n";
   html += "</table>\n";
@@ -176,7 +180,7 @@ std::string html_of(const fs::path& folder, const Findings& found) {
 
 }  // namespace
 
-StatusCounts write_batch_report(const fs::path& folder, const ReportOptions& options, const Console& console) {
+ReportedCounts write_batch_report(const fs::path& folder, const ReportOptions& options, const Console& console) {
   Findings found = look_through(manifests_in(folder));
   draw_failures(found.failures, options, console);
   write_text(folder / "report.html", html_of(folder, found));

@@ -15,11 +15,17 @@ struct ReportOptions {
   double timeout_s = 30;  ///< of a picture
 };
 
+/// Of the last row of each mesh.
+struct ReportedCounts {
+  StatusCounts by_status;
+  std::int64_t unsure = 0;  ///< as in BatchSummary
+};
+
 /// Writes FOLDER/report.html, one file that needs nothing else: counts by status, and the first failures, those of
 /// whose meshes can be read at all with a picture. They are drawn by processes of their own: whatever spoils a mesh
 /// spoils a picture alone. Of a folder without manifest.jsonl it takes the manifests of its shards. Returns the counts.
 /// Errors: usage (no manifest), input, output.
-StatusCounts write_batch_report(const std::filesystem::path& folder, const ReportOptions& options,
+ReportedCounts write_batch_report(const std::filesystem::path& folder, const ReportOptions& options,
                                 const Console& console);
 
 }  // namespace standoff::cli

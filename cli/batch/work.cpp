@@ -149,6 +149,7 @@ std::string BatchAnswer::text() const {
   Packed packed;
   packed.put(std::int64_t{holds});
   packed.put(std::int64_t{code});
+  packed.put(std::int64_t{unsure});
   packed.put(row);
   packed.put(doubt);
   return packed.take();
@@ -159,6 +160,7 @@ BatchAnswer BatchAnswer::of(const std::string& text) {
   BatchAnswer answer;
   answer.holds = packed.number() != 0;
   answer.code = static_cast<int>(packed.number());
+  answer.unsure = packed.number() != 0;
   answer.row = packed.text();
   answer.doubt = packed.text();
   return answer;
@@ -239,7 +241,11 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
   seconds_["total"] = seconds_since(start) - waited_s_;
   row["seconds"] = seconds_;
   if (alone_) field_ = {};  // what a large one took is not held through thousands of small ones
-  return {.holds = false, .code = row["code"].get<int>(), .row = row_text(row), .doubt = doubt_};
+  return {.holds = false,
+          .code = row["code"].get<int>(),
+          .unsure = is_unsure(row),
+          .row = row_text(row),
+          .doubt = doubt_};
 }
 
 bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {

@@ -54,6 +54,7 @@ struct BatchOrder {
 struct BatchAnswer {
   bool holds = false;
   int code = 0;            ///< of the row
+  bool unsure = false;     ///< is_unsure() of the row
   std::string row = {};    ///< with the line's end
   std::string doubt = {};  ///< of the thickness, for a warning; empty: none
 

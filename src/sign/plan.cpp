@@ -35,7 +35,7 @@ void validate(const SignOptions& options) {
 
 void expect_sure(const SignPlan& plan, const SignOptions& options) {
   if (!options.strict || plan.report.sure) return;
-  throw Error(ErrorCode::doubt, "compute: the sign is not certain (" + plan.report.why +
+  throw Error(ErrorCode::doubt, "the sign is not certain (" + plan.report.why +
                                     "), and strict allows no doubt; repair the mesh, or allow it");
 }
 

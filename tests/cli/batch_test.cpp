@@ -77,6 +77,32 @@ TEST_F(Batch, ARowSaysAll) {
     EXPECT_NE(parameters_of(options), row["parameters"]) << options;
 }
 
+// Once, however many meshes leave a doubt; the rows say which.
+TEST_F(Batch, SaysHowManySignsAreNotCertain) {
+  const std::string open = octahedron().substr(0, octahedron().rfind("f "));
+  write("list.txt", "whole.obj\nopen.obj\nopener.obj\n");
+  write("whole.obj", octahedron());
+  write("open.obj", open);
+  write("opener.obj", open);
+  const std::string warning = "standoff: warning: the sign of 2 meshes is not certain: sign.sure is false in out/";
+  const auto unsure = [&](const std::string& options) {
+    const Ran ran = done(words("batch -o out --json -q " + options));
+    const bool said = ran.says(warning);
+    if (!options.starts_with("--report")) EXPECT_EQ(said, ran.json()["unsure"] == 2) << ran.err;
+    EXPECT_EQ(ran.err.find("not certain"), ran.err.rfind("not certain")) << ran.err;
+    return ran.json()["unsure"].get<int>();
+  };
+  EXPECT_EQ(unsure("list.txt -r 16"), 2);
+  EXPECT_EQ(unsure("list.txt -r 16 --resume"), 0) << "nothing was made";
+  EXPECT_EQ(unsure("list.txt -r 16 --points 9 -f"), 2);
+  EXPECT_EQ(unsure("list.txt -r 16 --sign parity -f --shard 1/3"), 0);
+  EXPECT_EQ(unsure("--report"), 2);
+  EXPECT_NE(read_bytes(folder / "out/report.html").find("; the sign of 2 is not certain."), std::string::npos);
+  write("parts.txt", "open.obj\nopener.obj\n");
+  for (const char* part : {"1/2", "2/2"}) done(words("batch parts.txt -o merged -q -r 16 --shard " + std::string(part)));
+  EXPECT_EQ(done(words("batch --merge -o merged --json -q")).json()["unsure"], 2);
+}
+
 TEST_F(Batch, NormalizesFirst) {
   write("list.txt", "mesh.obj\n");
   write("mesh.obj", octahedron(4));

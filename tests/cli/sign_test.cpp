@@ -134,6 +134,39 @@ TEST_F(Sign, SaysWhichMethodAndWhy) {
   EXPECT_TRUE(winding.says("normal")) << winding.err;
 }
 
+// Whoever decides a sign says its doubt, in the same words, also in silence.
+TEST_F(Sign, EachVerbThatDecidesItWarns) {
+  write_bytes(folder / "points.csv", "1,2,3\n");
+  const std::string warning = compute("hole.obj --sign winding -q").err;
+  ASSERT_TRUE(warning.starts_with("standoff: warning: sign by winding: ") && warning.ends_with("; not certain\n"));
+  for (const std::string command :
+       {"points MESH.obj points.csv", "surface MESH.obj -r 16 -o MESH.ply", "view MESH.obj -r 16 -o MESH.html",
+        "voxels MESH.obj -r 16 -o MESH.npz", "build MESH.obj -o MESH.query"}) {
+    const auto ran_with = [&](const std::string& mesh) {
+      std::string line = command + " -q --sign winding";
+      for (std::size_t at; (at = line.find("MESH")) != line.npos;) line.replace(at, 4, mesh);
+      return done(words(line));
+    };
+    EXPECT_TRUE(ran_with("hole").says(warning)) << command;
+    EXPECT_FALSE(ran_with("ball").says("warning: sign")) << command;
+  }
+  EXPECT_EQ(run(words("points hole.query points.csv -q")).err, warning);
+  EXPECT_TRUE(run(words("points ball.obj points.csv")).says("\nsign by winding: the mesh is closed"));
+}
+
+TEST_F(Sign, StrictNamesVerbAndFile) {
+  write_bytes(folder / "points.csv", "1,2,3\n");
+  for (const std::string command :
+       {"compute sheet.obj -r 16 -o a.vti", "compute sheet.obj -r 16 -o a.vdb", "points sheet.obj points.csv",
+        "surface sheet.obj -r 16 -o a.ply", "view sheet.obj -r 16 -o a.html", "voxels sheet.obj -r 16 -o a.npz",
+        "crossings sheet.obj -r 16 -o a.npz", "build sheet.obj -o a.query"}) {
+    const Ran ran = run(words(command + " --strict"));
+    EXPECT_EQ(ran.code, 8) << command;
+    const std::string verb = command.substr(0, command.find(' '));
+    EXPECT_TRUE(ran.says("standoff: error: sheet.obj: " + verb + ": the sign is not certain (")) << ran.err;
+  }
+}
+
 TEST_F(Sign, Json) {
   const Json flipped = compute("flipped.obj --sign auto --json").json()["sign"];
   EXPECT_EQ(flipped["method"], "winding");

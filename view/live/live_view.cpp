@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace standoff::view {
 namespace {
@@ -32,6 +33,11 @@ LiveSettings LiveView::settings() const {
 LiveView::Stage LiveView::stage() const {
   const std::lock_guard lock(mutex_);
   return stage_;
+}
+
+SignReport LiveView::sign() const {
+  const std::lock_guard lock(mutex_);
+  return sign_;
 }
 
 void LiveView::replace(std::string name, Mesh mesh) {
@@ -74,7 +80,9 @@ std::optional<std::string> LiveView::field(const LiveSettings& settings, const s
     const Grid grid = fit_resolution(box, settings.samples, padding);
     const double thickness =
         settings.thickness_in_samples ? settings.thickness * grid.max_spacing() : settings.thickness;
-    compute_into(*subject.mesh, grid, thickness, field_, options);
+    SignReport sign = compute_into(*subject.mesh, grid, thickness, field_, options).sign;
+    const std::lock_guard lock(mutex_);
+    sign_ = std::move(sign);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) return {};
     throw;

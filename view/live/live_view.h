@@ -13,6 +13,7 @@
 #include "standoff/compute.h"
 #include "standoff/page.h"
 #include "standoff/points.h"
+#include "standoff/sign.h"
 
 namespace standoff::view {
 
@@ -49,6 +50,8 @@ class LiveView {
   /// The field, as pages hold it. Ends what was asked for before, and is ended itself, with nothing, by what is asked
   /// for next, or once `abandoned()`. Errors: as compute().
   std::optional<std::string> field(const LiveSettings& settings, const std::function<bool()>& abandoned);
+  /// How the sign of the last field was decided.
+  SignReport sign() const;
   /// How far the field that is being computed has come.
   struct Stage {
     const char* name = "";
@@ -74,6 +77,7 @@ class LiveView {
   Subject subject_;
   LiveSettings settings_;
   Stage stage_;
+  SignReport sign_;
 
   std::mutex asking_;  // the next three
   std::shared_ptr<const MeshQuery> query_;
