@@ -20,10 +20,15 @@ namespace standoff::STANDOFF_PLATFORM {
 // with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured in the groups that are near.
 
 // Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One field gains more by
-// registers (a twentieth, on an H200), many small ones by warps (a fortieth).
+// registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for eight.
 inline constexpr int kBandThreads = 128, kBandWarps = kBandThreads / 32;
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+inline constexpr int kBlocksOfMany = 8;
+#else
+inline constexpr int kBlocksOfMany = 9;
+#endif
 template <class Fields>
-inline constexpr int kBandBlocks = Fields::kMany ? 9 : 8;
+inline constexpr int kBandBlocks = Fields::kMany ? kBlocksOfMany : 8;
 
 /// The best of a sample as an integer: the bits of the squared distance, which ascend with it because it is not
 /// negative; and below them the nearest triangle's index if it is asked for, so that the lowest wins a tie.
