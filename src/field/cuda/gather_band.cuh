@@ -20,7 +20,8 @@ namespace standoff::STANDOFF_PLATFORM {
 // with the centres of the tile's 16 groups of 4x4x2 samples, a lane each, and measured in the groups that are near.
 
 // Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One field gains more by
-// registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for eight.
+// registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for
+// eight.
 inline constexpr int kBandThreads = 128, kBandWarps = kBandThreads / 32;
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
 inline constexpr int kBlocksOfMany = 8;
