@@ -54,7 +54,8 @@ class Console {
 /// Warns that a file holds no `noun` ("point"). Answers without rows are no error, but the file may be the wrong one.
 void warn_of_none(const Console& console, const std::string& file, const std::string& noun);
 
-/// Says how the sign was decided: as a warning, also when quiet, where that is not certain. Nothing of no sign asked for.
+/// Says how the sign was decided: as a warning, also when quiet, where that is not certain. Nothing of no sign asked
+/// for.
 void say_sign(const Console& console, const SignReport& sign);
 
 /// Makes the library say on stderr when it waits for the other end of a pipe.

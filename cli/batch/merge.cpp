@@ -92,7 +92,8 @@ std::vector<Place> find_rows(const fs::path& folder, const std::vector<Shard>& s
         throw Error(ErrorCode::input, path.string() + ":line " + std::to_string(line.number) + ": mesh " +
                                           std::to_string(index) + " is not of this shard; run it again with -f");
       places[static_cast<std::size_t>(index)] = {line.offset, static_cast<std::uint32_t>(line.text.size() + 1),
-                                                 static_cast<std::int32_t>(s), row.at("code").get<int>(), is_unsure(row)};
+                                                 static_cast<std::int32_t>(s), row.at("code").get<int>(),
+                                                 is_unsure(row)};
     });
   }
   for (std::size_t index = 0; index < places.size(); ++index)

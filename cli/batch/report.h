@@ -26,6 +26,6 @@ struct ReportedCounts {
 /// spoils a picture alone. Of a folder without manifest.jsonl it takes the manifests of its shards. Returns the counts.
 /// Errors: usage (no manifest), input, output.
 ReportedCounts write_batch_report(const std::filesystem::path& folder, const ReportOptions& options,
-                                const Console& console);
+                                  const Console& console);
 
 }  // namespace standoff::cli

@@ -241,11 +241,8 @@ BatchAnswer MeshWork::make(const BatchOrder& order, const std::function<void()>&
   seconds_["total"] = seconds_since(start) - waited_s_;
   row["seconds"] = seconds_;
   if (alone_) field_ = {};  // what a large one took is not held through thousands of small ones
-  return {.holds = false,
-          .code = row["code"].get<int>(),
-          .unsure = is_unsure(row),
-          .row = row_text(row),
-          .doubt = doubt_};
+  return {
+      .holds = false, .code = row["code"].get<int>(), .unsure = is_unsure(row), .row = row_text(row), .doubt = doubt_};
 }
 
 bool MeshWork::still_holds(const BatchOrder& order, std::uint64_t file_hash, Json& row) const {

@@ -99,7 +99,8 @@ TEST_F(Batch, SaysHowManySignsAreNotCertain) {
   EXPECT_EQ(unsure("--report"), 2);
   EXPECT_NE(read_bytes(folder / "out/report.html").find("; the sign of 2 is not certain."), std::string::npos);
   write("parts.txt", "open.obj\nopener.obj\n");
-  for (const char* part : {"1/2", "2/2"}) done(words("batch parts.txt -o merged -q -r 16 --shard " + std::string(part)));
+  for (const char* part : {"1/2", "2/2"})
+    done(words("batch parts.txt -o merged -q -r 16 --shard " + std::string(part)));
   EXPECT_EQ(done(words("batch --merge -o merged --json -q")).json()["unsure"], 2);
 }
 
