@@ -24,6 +24,7 @@
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "files/atomic_file.h"
+#include "files/room.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/error.h"
@@ -53,6 +54,8 @@ struct Plan {
   bool folder = false;            ///< FileFormat::folder of the output
   bool compressed = false;        ///< samples are, and need not be
   std::int64_t bytes_beside = 0;  ///< of sidecars, for each sample of a stored tile
+
+  bool has_known_size() const { return !sparse && !folder && !compressed; }
 
   Grid grid() const { return window ? choice.grid.window(window->first, window->size) : choice.grid; }
 };
@@ -138,6 +141,26 @@ std::int64_t memory_needed(const Plan& plan, const ComputeOptions& options) {
   return plan.in_slabs ? found.slabs : with_beside(found.whole, found.stored_samples);
 }
 
+std::string shown_bytes(double bytes) { return bytes_text(static_cast<std::int64_t>(std::min(bytes, 0x1p62))); }
+
+// "; its disk has 69.0 GiB free" where that is less than these bytes; else nothing.
+std::string lack_of_room(double bytes, std::optional<std::uint64_t> room) {
+  if (!room || bytes <= static_cast<double>(*room)) return "";
+  return "; its disk has " + bytes_text(static_cast<std::int64_t>(*room)) + " free";
+}
+
+// Before the work rather than at its end. Errors: output, where the file has a known size. Compressed files have none:
+// of full fields, which most often stay nearly as large as they are, it is a warning; bands become much smaller.
+void check_room(const Plan& plan, const ComputeOptions& options, const Console& console) {
+  const double bytes = most_file_bytes(plan, options);
+  const auto room = room_for(plan.output);
+  if (plan.has_known_size()) return expect_room(plan.output, bytes, room);
+  const std::string lack = lack_of_room(bytes, room);
+  if (lack.empty() || plan.sparse || std::isfinite(plan.choice.thickness)) return;
+  console.warn(plan.output + " may take " + shown_bytes(bytes) + lack +
+               "; free some, write to another one, or take fewer samples");
+}
+
 // What --dry-run prints. Throws Error{limit} after it where the real run would be refused for its memory.
 void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
   const ComputeOptions& options = field.compute;
@@ -145,7 +168,8 @@ void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
   const std::int64_t needed = memory_needed(plan, options), limit = field.memory_limit();
   const std::string memory = "needs at most " + bytes_text(needed) + " beside the mesh";
   const std::string over = ", more than the limit of " + bytes_text(limit);
-  const auto file_bytes = static_cast<std::int64_t>(std::min(most_file_bytes(plan, options), 0x1p62));
+  const double file_bytes = most_file_bytes(plan, options);
+  const auto room = room_for(plan.output);
   if (console.json()) {
     Json json = description(plan);
     json["samples"] = {{"total", grid.sample_count()}};
@@ -154,7 +178,10 @@ void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
     json["memory_needed_bytes"] = needed;
     json["memory_limit_bytes"] = options.memory_limit < 0 ? Json() : Json(limit);
     json["dry_run"] = true;
-    json["output"] = {{"file", plan.output}, {"bytes", file_bytes}, {"in_the_way", plan.in_the_way}};
+    json["output"] = {{"file", plan.output},
+                      {"bytes", static_cast<std::int64_t>(std::min(file_bytes, 0x1p62))},
+                      {"in_the_way", plan.in_the_way}};
+    json["output"]["free_bytes"] = room ? Json(*room) : Json();
     print(json);
   } else {
     print(mesh_line(plan.mesh_name, plan.mesh) + "\n" + grid_line(plan.choice) + "\n" +
@@ -162,7 +189,7 @@ void tell(const Plan& plan, const FieldOptions& field, const Console& console) {
           "from " + point_text(grid.corner()) + " to " + point_text(grid.bounds().max) + ", " +
           counted(grid.sample_count(), "sample") + " in " + counted(tile_count(grid.size), "tile") + "\n" +  //
           memory + (needed > limit ? over : "") + "\n" +                                                     //
-          "would write " + plan.output + ", at most " + bytes_text(file_bytes) +
+          "would write " + plan.output + ", at most " + shown_bytes(file_bytes) + lack_of_room(file_bytes, room) +
           (plan.in_the_way ? "; it exists: give -f to overwrite it" : "") + "\n");
   }
   if (needed > limit)
@@ -384,6 +411,7 @@ void ComputeCommand::run() {
   if (plan.window) console.say(window_line(plan));
 
   if (plan.bytes_beside > 0) check_memory(plan, field);
+  check_room(plan, options, console);
   Outcome outcome = naming_doubt(mesh.name(), "compute", [&] {
     return cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   });

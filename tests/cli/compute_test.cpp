@@ -2,7 +2,9 @@
 // standoff compute: grids, thickness, outputs, and what it says.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "standoff/io.h"
 #include "tests/cli/program.h"
@@ -11,6 +13,7 @@ namespace standoff {
 namespace {
 
 using testing::Json;
+using testing::Process;
 using testing::Ran;
 using testing::words;
 
@@ -46,6 +49,36 @@ TEST_F(Compute, SaysWhatTookHowLong) {
   const Ran ran = done(words("compute scene:box -r 20"));
   EXPECT_TRUE(ran.says(" s of it compute and ")) << ran.err;
   EXPECT_TRUE(ran.says(" s write; tiles on cpu")) << ran.err;
+}
+
+// No disk has room for 2^50 samples. What takes their place before an hour of work is refused at once; of compressed
+// files nobody knows what they take, so a full field gets a warning, which --dry-run gives too, and a band none.
+TEST_F(Compute, AFileThatTheDiskHasNoRoomForIsRefusedAtOnce) {
+  const std::string huge = "compute scene:box --size 1024,1024,1073741824 ";
+  auto how = setup();
+  how.file_size = 1 << 20;  // so that a program that does not look fills no disk
+  for (const std::string name : {"a.vti", "a.nrrd", "a.npz"}) {
+    const Ran ran = run(words(huge + "-t 0.01 --uncompressed -o " + name), how);
+    EXPECT_EQ(ran.code, 4) << ran.err;
+    EXPECT_TRUE(ran.says("error: " + name + ": cannot write it: it takes 4294967296 MiB, and its disk has "))
+        << ran.err;
+  }
+  EXPECT_TRUE(folder.names().empty());
+  const Ran planned = done(words(huge + "-t 0.01 --dry-run"));
+  EXPECT_NE(planned.out.find("would write box.vti, at most 4.0 PiB; its disk has "), planned.out.npos) << planned.out;
+  EXPECT_GT(done(words(huge + "-t 0.01 --dry-run --json")).json()["output"]["free_bytes"], 0);
+  EXPECT_EQ(done(words("compute scene:box -r 9 --dry-run")).out.find("its disk has"), planned.out.npos);
+
+  const auto begins_with = [&](const std::string& options, const std::string& line) {
+    Process process(words(huge + "--progress never " + options), how);
+    EXPECT_TRUE(process.wait_for("\ngrid "));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    process.send(SIGTERM);
+    return process.wait().says(line);
+  };
+  const std::string warning = "standoff: warning: box.vti may take 4.0 PiB; its disk has ";
+  EXPECT_TRUE(begins_with("", warning));
+  EXPECT_FALSE(begins_with("-t 0.01", warning));
 }
 
 // A thickness of whole world units that is much of the mesh, which is 2.7 across, was meant to be samples.

@@ -9,6 +9,7 @@
 #include "core/memory.h"
 #include "core/progress.h"
 #include "files/file_view.h"
+#include "files/room.h"
 #include "files/text.h"
 #include "io/field/format.h"
 #include "io/field/write_samples.h"
@@ -77,12 +78,21 @@ void check_options(const std::filesystem::path& path, const FieldFormat& format,
   if (options.threads < 0) throw Error(ErrorCode::usage, "threads must be zero or more; give zero for all");
 }
 
+// Of all arrays, as numbers.
+double bytes_to_write(const FieldSource& source) {
+  double bytes = 0;
+  for (const SampleArray& array : source.arrays())
+    bytes += static_cast<double>(source.grid().sample_count()) * static_cast<double>(array.element_bytes());
+  return bytes;
+}
+
 void write(const std::filesystem::path& path, const FieldFormat& format, const FieldSource& source,
            const FieldWriteOptions& options) {
   ProgressMeter meter(options.progress);
   meter.stage("writing", 1, 0, 1);
   if (format.folder) return format.folder->write(path, source, options, meter);
   AtomicFile file(path, options.existing);
+  if (!format.sparse && !options.compress) expect_room(path, bytes_to_write(source), room_for(path));
   file.watched_by(meter);
   if (!options.sync) file.leave_to_system();
   format.write(file, source, options);
