@@ -258,8 +258,8 @@ STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const 
 
 /// Finds the point of the surface that bounds distances at a child's centre: the closest one of the triangle that gave
 /// the bound. It may lower the bound.
-STANDOFF_DEVICE void find_surface(const Lattice& l, const DeviceMesh& mesh, const Chunk& chunk, Child& child,
-                                  Counter& bound) {
+STANDOFF_DEVICE void bound_by_closest_point(const Lattice& l, const DeviceMesh& mesh, const Chunk& chunk, Child& child,
+                                            Counter& bound) {
   const Counter known = load_relaxed(&bound);  // blocks of the same parent lower it to the same number
   const auto triangle = static_cast<std::uint32_t>(known);
   const Candidate nearest = candidate(l, mesh, triangle, chunk);
@@ -278,7 +278,7 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
     if (t < 8 && chunk.child[t].index >= 0)
-      find_surface(l, mesh, chunk, chunk.child[t], step.bound[chunk.child[t].index]);
+      bound_by_closest_point(l, mesh, chunk, chunk.child[t], step.bound[chunk.child[t].index]);
     __syncthreads();
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);
