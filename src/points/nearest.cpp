@@ -357,26 +357,32 @@ class PointBlock {
 // Points of a task: many, so that the upper cells cost little; few, so that all threads have work.
 constexpr std::int64_t kTask = 4096;
 
+// Answers up to a group of points, each by itself.
+void answer_alone(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
+                  std::span<NearestTriangle> out) {
+  std::array<Vec3, PointGroup::kMost> in_float;
+  std::array<std::size_t, PointGroup::kMost> number;
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (index.is_in_float(index.local(points[n])))
+      in_float[count] = points[n], number[count++] = n;
+    else
+      out[n] = find_nearest(index, points[n]);
+  if (count == 0) return;
+  PointGroup group;
+  PairTable table;
+  fill_group(index, std::span(in_float).first(count), group);
+  kernels.look_at_all(index.tree(), group, table);
+  for (std::size_t n = 0; n < count; ++n) out[number[n]] = answer_of(group, static_cast<int>(n));
+}
+
 // Answers each point by itself, in the caller's order.
 void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                 FoundTriangles& found) {
   found.order.resize(points.size());
   std::iota(found.order.begin(), found.order.end(), 0u);
   found.points.assign(points.begin(), points.end());
-  std::array<Vec3, kFewAlone> near;
-  std::array<std::size_t, kFewAlone> number;
-  std::size_t count = 0;
-  for (std::size_t n = 0; n < points.size(); ++n)
-    if (index.is_near(index.local(points[n])))
-      near[count] = points[n], number[count++] = n;
-    else
-      found.nearest[n] = find_nearest(index, points[n]);
-  if (count == 0) return;
-  PointGroup group;
-  PairTable table;
-  fill_group(index, std::span(near).first(count), group);
-  kernels.look_at_all(index.tree(), group, table);
-  for (std::size_t n = 0; n < count; ++n) found.nearest[number[n]] = answer_of(group, static_cast<int>(n));
+  answer_alone(index, kernels, points, found.nearest);
 }
 
 }  // namespace
@@ -404,21 +410,25 @@ void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::
     }
     progress.advance(range.size());
   };
-  const auto answer_far = [&](std::size_t n) {
-    found.nearest[n] = find_nearest(index, found.points[n]);
-    progress.advance();
+  const auto answer_far = [&](const Blocked& range) {
+    for (std::size_t first = range.begin(); first < range.end(); first += PointGroup::kMost) {
+      const std::size_t count = std::min<std::size_t>(PointGroup::kMost, range.end() - first);
+      answer_alone(index, kernels, std::span(found.points).subspan(first, count),
+                   std::span(found.nearest).subspan(first, count));
+      progress.advance(static_cast<std::int64_t>(count));
+    }
   };
   const auto near = static_cast<std::size_t>(sorted.size());
+  const Blocked far(near, points.size(), PointGroup::kMost);
   if (points.size() <= kTogether) {
     if (near > 0) answer({0, sorted.size()});
-    for (std::size_t n = near; n < points.size(); ++n) answer_far(n);
-    return;
+    return answer_far(far);
   }
   const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
   tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
     answer({task * kTask, std::min(sorted.size(), (task + 1) * kTask)});
   });
-  tbb::parallel_for(near, points.size(), answer_far);
+  tbb::parallel_for(far, answer_far);
 }
 
 }  // namespace standoff

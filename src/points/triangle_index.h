@@ -21,6 +21,9 @@ namespace standoff {
 class TriangleIndex {
  public:
   static constexpr std::int64_t kSide = 1024;
+  /// Points this many extents away are searched for in double throughout: distances from frames in float would leave
+  /// too many triangles to be compared in double. The value decides time only; it is measured (docs/points_methods.md).
+  static constexpr double kFar = 1024;
 
   /// Holds the triangles in `among`, which ascend; all triangles if it is empty. Requires a valid mesh whose
   /// coordinates are within kMaxCoordinate; both outlive this. Runs on the threads of the calling TBB arena. Calls
@@ -36,8 +39,10 @@ class TriangleIndex {
   Vec3 local(Vec3 p) const { return bvh().frame().local(p); }
   /// A power of two: scale(), or less if the square of a length from a far point would overflow.
   double scale_at(Vec3 point) const { return bvh().frame().scale_at(point); }
-  /// Whether a point is near enough for boxes in float: they are grown by the rounding error of its coordinates.
+  /// Whether a point is near enough to share candidates: boxes are grown by the rounding error of its coordinates.
   bool is_near(Vec3 local) const { return max_norm(local) <= 4 * double{bvh().frame().extent}; }
+  /// Whether a point is near enough for distances from frames in float.
+  bool is_in_float(Vec3 local) const { return max_norm(local) <= kFar * double{bvh().frame().extent}; }
 
   const cpu::CandidateCulling& culling() const { return culling_; }
   const Bvh& bvh() const { return culling_.bvh(); }

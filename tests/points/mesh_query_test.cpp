@@ -11,6 +11,7 @@
 #include "standoff/points.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
+#include "tests/support/welded_ball.h"
 
 namespace standoff {
 namespace {
@@ -232,13 +233,16 @@ TEST(MeshQuery, PointsFarAway) {
   const Mesh mesh = testing::random_soup(28, 300, 4, 1);
   std::vector<Vec3> points;
   Random random(10);
-  for (double far = 4; far < 1e150; far *= far < 100 ? 1.1 : 1e6) {
+  // Frames in float give way to double at 1024 half sides.
+  for (double far = 4; far < 1e150; far *= far < 2e4 ? 1.05 : 1e6) {
     const Vec3 way = random.in_cube(1);
     points.push_back(way * (far / max_norm(way)));
     points.push_back({far, 0, 0});
   }
   points.push_back({kMaxCoordinate, -kMaxCoordinate, kMaxCoordinate});
   expect_exact(mesh, points);
+  // From far away many triangles of a ball are about as near as the nearest.
+  expect_exact(testing::welded_ball(4, 20), points);
   for (const double size : {1e-100, 1e-290}) expect_exact(moved(mesh, {}, size), points);
 }
 
