@@ -66,7 +66,8 @@ DeviceTree::DeviceTree(const TriangleIndex& index)
 
 // Points are sorted along a Morton curve, so that the threads of a warp visit the same nodes.
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
-                            std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress) {
+                            const cpu::PointKernels& kernels, std::span<const Vec3> points, FoundTriangles& found,
+                            ProgressMeter& progress) {
   SortedPoints& sorted = found.sorted;
   sorted.sort(index, points, found.order, found.points);
   const auto near = static_cast<std::size_t>(sorted.size());
@@ -77,10 +78,8 @@ void find_nearest_on_device(const PointDevice& device, int number, const DeviceT
     found.nearest[n] = {std::sqrt(answers[n].distance_sq) / tree.scale, answers[n].triangle};
   });
   progress.advance(sorted.size());
-  tbb::parallel_for(near, points.size(), [&](std::size_t n) {
-    found.nearest[n] = find_nearest(index, found.points[n]);
-    progress.advance();
-  });
+  find_each(index, kernels, std::span<const Vec3>(found.points).subspan(near), std::span(found.nearest).subspan(near),
+            progress);
 }
 
 }  // namespace standoff

@@ -12,6 +12,9 @@
 
 namespace standoff {
 
+namespace cpu {
+struct PointKernels;
+}
 class ProgressMeter;
 class TriangleIndex;
 struct DeviceTree;
@@ -70,6 +73,7 @@ struct DeviceTree {
 /// Does what find_nearest() of nearest.h does, with the same bits. `tree` was made from `index`; `number` says which
 /// device.
 void find_nearest_on_device(const PointDevice& device, int number, const DeviceTree& tree, const TriangleIndex& index,
-                            std::span<const Vec3> points, FoundTriangles& found, ProgressMeter& progress);
+                            const cpu::PointKernels& kernels, std::span<const Vec3> points, FoundTriangles& found,
+                            ProgressMeter& progress);
 
 }  // namespace standoff

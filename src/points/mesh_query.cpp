@@ -123,7 +123,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
     for (std::size_t first = 0; first < points.size(); first += kMostPointsAtOnce) {
       const std::span<const Vec3> part = points.subspan(first, std::min(kMostPointsAtOnce, points.size() - first));
       if (device)
-        find_nearest_on_device(*device, execution.device, data.device_tree(), index, part, found, progress);
+        find_nearest_on_device(*device, execution.device, data.device_tree(), index, kernels, part, found, progress);
       else
         find_nearest(index, kernels, part, found, progress);
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part.size(), kTogether), [&](const auto& range) {

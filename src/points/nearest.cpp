@@ -367,7 +367,7 @@ void answer_alone(const TriangleIndex& index, const PointKernels& kernels, std::
     if (index.is_in_float(index.local(points[n])))
       in_float[count] = points[n], number[count++] = n;
     else
-      out[n] = find_nearest(index, points[n]);
+      out[n] = nearest_triangle(index.bvh(), index.mesh(), points[n]);
   if (count == 0) return;
   PointGroup group;
   PairTable table;
@@ -386,10 +386,6 @@ void answer_few(const TriangleIndex& index, const PointKernels& kernels, std::sp
 }
 
 }  // namespace
-
-NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point) {
-  return nearest_triangle(index.bvh(), index.mesh(), point);
-}
 
 void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress) {
@@ -410,25 +406,30 @@ void find_nearest(const TriangleIndex& index, const PointKernels& kernels, std::
     }
     progress.advance(range.size());
   };
-  const auto answer_far = [&](const Blocked& range) {
+  const auto near = static_cast<std::size_t>(sorted.size());
+  if (points.size() <= kTogether) {
+    if (near > 0) answer({0, sorted.size()});
+  } else {
+    const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
+    tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
+      answer({task * kTask, std::min(sorted.size(), (task + 1) * kTask)});
+    });
+  }
+  find_each(index, kernels, std::span<const Vec3>(found.points).subspan(near), std::span(found.nearest).subspan(near),
+            progress);
+}
+
+void find_each(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
+               std::span<NearestTriangle> out, ProgressMeter& progress) {
+  const auto answer = [&](const Blocked& range) {
     for (std::size_t first = range.begin(); first < range.end(); first += PointGroup::kMost) {
       const std::size_t count = std::min<std::size_t>(PointGroup::kMost, range.end() - first);
-      answer_alone(index, kernels, std::span(found.points).subspan(first, count),
-                   std::span(found.nearest).subspan(first, count));
+      answer_alone(index, kernels, points.subspan(first, count), out.subspan(first, count));
       progress.advance(static_cast<std::int64_t>(count));
     }
   };
-  const auto near = static_cast<std::size_t>(sorted.size());
-  const Blocked far(near, points.size(), PointGroup::kMost);
-  if (points.size() <= kTogether) {
-    if (near > 0) answer({0, sorted.size()});
-    return answer_far(far);
-  }
-  const std::int64_t tasks = (sorted.size() + kTask - 1) / kTask;
-  tbb::parallel_for(std::int64_t{0}, tasks, [&](std::int64_t task) {
-    answer({task * kTask, std::min(sorted.size(), (task + 1) * kTask)});
-  });
-  tbb::parallel_for(far, answer_far);
+  const Blocked all(0, points.size(), PointGroup::kMost);
+  points.size() <= kTogether ? answer(all) : tbb::parallel_for(all, answer);
 }
 
 }  // namespace standoff

@@ -83,7 +83,8 @@ struct FoundTriangles {
 void find_nearest(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress);
 
-/// The same for a single point, which may be far from the mesh: the search is in double throughout.
-NearestTriangle find_nearest(const TriangleIndex& index, Vec3 point);
+/// The same for points that are too far away to share candidates: each is searched for by itself.
+void find_each(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
+               std::span<NearestTriangle> out, ProgressMeter& progress);
 
 }  // namespace standoff
