@@ -19,7 +19,8 @@ nlohmann::json run(const PointWorkload& work, const Settings& settings) {
   MeshQueryOptions options;
   options.execution = {.threads = work.threads, .backend = Backend::cpu};
   // As the peers decide: by the winding number of the mesh as it is.
-  options.sign = {.method = settings.with_sign ? SignMethod::winding : SignMethod::none, .as_oriented = true};
+  options.sign = {.method = settings.with_sign ? SignMethod::winding : SignMethod::none,
+                  .as_oriented = settings.with_sign};
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
   line["signed"] = settings.with_sign;

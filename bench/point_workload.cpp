@@ -51,6 +51,13 @@ std::vector<Vec3> make_points(const Mesh& mesh, PointSet set, std::int64_t count
       p = {random.within(low.x, high.x), random.within(low.y, high.y), random.within(low.z, high.z)};
     return points;
   }
+  if (set == PointSet::far) {
+    for (Vec3& p : points) {
+      const Vec3 way = random.displacement();
+      p = box.center() + (3 * std::pow(10, random()) * box.longest_side() / length(way)) * way;
+    }
+    return points;
+  }
   std::vector<double> until;
   until.reserve(mesh.triangles.size());
   double sum = 0;
@@ -75,11 +82,12 @@ void PointWorkload::save_answers(std::span<const double> distances) const {
 }
 
 PointOptions::PointOptions(CLI::App& app) {
-  const std::map<std::string, PointSet> sets{{"box", PointSet::box}, {"near", PointSet::near}};
+  const std::map<std::string, PointSet> sets{{"box", PointSet::box}, {"near", PointSet::near}, {"far", PointSet::far}};
   auto* mesh = app.add_option("--mesh", mesh_, "mesh file");
   auto* scene = app.add_option("--scene", scene_, "mesh made by code")->excludes(mesh);
   app.add_option("--triangles", triangles_, "triangles of the scene (its own count when absent)")->needs(scene);
-  app.add_option("--points", set_, "box: random in the box grown 1.5 times; near: within 1 % of the surface")
+  app.add_option("--points", set_,
+                 "box: random in the box grown 1.5 times; near: within 1 % of the surface; far: 3 to 30 lengths away")
       ->transform(CLI::CheckedTransformer(sets));
   app.add_option("--count", count_, "of points")->check(CLI::PositiveNumber);
   app.add_option("--seed", seed_, "of the random numbers");

@@ -19,6 +19,7 @@ namespace standoff::bench {
 enum class PointSet {
   box,   ///< uniformly random in the mesh's box, grown to 1.5 times its sides about its centre
   near,  ///< random points of the surface, displaced by up to 1 % of the box's longest side in random directions
+  far,   ///< 3 to 30 times the box's longest side from its centre, as many for each factor of 2, in random directions
 };
 
 /// The points of a set, the same on every machine and for every driver.
