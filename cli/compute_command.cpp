@@ -24,7 +24,6 @@
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "files/atomic_file.h"
-#include "files/room.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/error.h"
