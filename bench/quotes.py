@@ -79,10 +79,10 @@ def summary(rows, with_cases):
         ratios = [value(row["ratio"]) for row in known]
         case = lambda row: f" ({row['pair']}, {row['place of b']})" if with_cases else ""
         quote = lambda row: short(value(row["ratio"]), row["ratio"][:2] if row["ratio"][0] in "<>" else "") + case(row)
-        line = {"query": query, "beside": peer, "cases": len(own), "worst": quote(known[0]) if known else "-",
-                "worst of medians": worst_of_medians(own, case), "median": short(statistics.median(ratios)) if known else "-",
-                "best": quote(known[-1]) if known else "-",
-                "slower in": sum(ratio < 1 for ratio in ratios)}
+        line = {"query": query, "peer": peer, "cases": len(own), "worst case": quote(known[0]) if known else "-",
+                "worst median pose": worst_of_medians(own, case), "median case": short(statistics.median(ratios)) if known else "-",
+                "best case": quote(known[-1]) if known else "-",
+                "cases slower": sum(ratio < 1 for ratio in ratios)}
         if with_cases:
             line |= {"asked for": own[0]["at least"], "answers": sum(int(row["poses"]) for row in own),
                      "that differ": sum(int(row["answers that differ"]) for row in own)}

@@ -51,7 +51,7 @@ void BuildCommand::check() {
 
 void BuildCommand::build_query(const Mesh& mesh) {
   const std::string file = output.path().string();
-  const MeshQuery query = naming_doubt(input.name(), "build", [&] {
+  const MeshQuery query = naming_mesh(input.name(), "build", [&] {
     return with_spinner(console, "building " + file,
                         [&] { return MeshQuery(mesh, {.sign = sign, .execution = options.execution}); });
   });

@@ -24,7 +24,6 @@
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "files/atomic_file.h"
-#include "files/room.h"
 #include "standoff/compute.h"
 #include "standoff/confidence.h"
 #include "standoff/error.h"
@@ -412,7 +411,7 @@ void ComputeCommand::run() {
 
   if (plan.bytes_beside > 0) check_memory(plan, field);
   check_room(plan, options, console);
-  Outcome outcome = naming_doubt(mesh.name(), "compute", [&] {
+  Outcome outcome = naming_mesh(mesh.name(), "compute", [&] {
     return cache.given() ? write_or_fetch(plan) : plan.in_slabs ? write_in_slabs(plan) : write_whole(plan);
   });
   outcome.written_bytes = written_bytes(output.path());

@@ -104,14 +104,16 @@ auto with_progress(const Console& console, ProgressCallback& told, Work work) {
   return result;
 }
 
-/// Returns the result of a verb's work on a mesh. An Error{doubt} names both: `FILE: VERB: the sign is not certain`.
+/// Returns the result of a verb's work on a mesh. Errors about a mesh in memory get the name of its file; Error{doubt}
+/// also that of the verb: `FILE: VERB: the sign is not certain`.
 template <class Work>
-auto naming_doubt(const std::string& file, const char* verb, Work work) {
+auto naming_mesh(const std::string& file, const char* verb, Work work) {
   try {
     return work();
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::doubt) throw;
-    throw Error(error.code(), file + ": " + verb + ": " + error.what(), error.details());
+    const bool doubt = error.code() == ErrorCode::doubt;
+    if (!doubt && (error.code() != ErrorCode::input || !error.details().file.empty())) throw;
+    throw Error(error.code(), file + ": " + (doubt ? std::string(verb) + ": " : "") + error.what(), error.details());
   }
 }
 

@@ -71,7 +71,7 @@ void CrossingsCommand::run() {
   validate(loaded);
   const GridChoice choice = grid.choose(bounds(loaded));
   console.say(mesh_line(mesh.name(), loaded));
-  const std::vector<EdgeCrossing> crossings = naming_doubt(mesh.name(), "crossings", [&] {
+  const std::vector<EdgeCrossing> crossings = naming_mesh(mesh.name(), "crossings", [&] {
     return with_progress(console, options.progress, [&] { return edge_crossings(loaded, choice.grid, options); });
   });
   with_spinner(console, "writing " + output.path().string(),
@@ -173,7 +173,7 @@ void VoxelsCommand::run() {
   console.say(mesh_line(mesh.name(), loaded));
   console.say(grid_line(choice));
   ProgressCallback progress;
-  const Occupancy voxels = naming_doubt(mesh.name(), "voxels", [&] {
+  const Occupancy voxels = naming_mesh(mesh.name(), "voxels", [&] {
     return with_progress(console, progress, [&] { return make(loaded, choice.grid, progress); });
   });
   if (!surface && voxels.sign.method == SignMethod::none)

@@ -231,14 +231,11 @@ MeshQuery PointsCommand::query() const {
     return with_spinner(console, "reading " + mesh.name(), [&] { return MeshQuery::load(mesh.name()); });
   const Mesh loaded = with_spinner(console, "reading " + mesh.name(), [&] { return mesh.read(); });
   console.say(mesh_line(mesh.name(), loaded));
-  try {
+  return naming_mesh(mesh.name(), "points", [&] {
     return with_spinner(console, "preparing " + mesh.name(), [&] {
       return MeshQuery(loaded, {options.sign, {.threads = options.execution.threads}});
     });
-  } catch (const Error& error) {
-    const char* const verb = error.code() == ErrorCode::doubt ? "points: " : "";  // as naming_doubt() has it
-    throw Error(error.code(), mesh.name() + ": " + verb + error.what(), error.details());
-  }
+  });
 }
 
 void PointsCommand::run() {

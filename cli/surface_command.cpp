@@ -205,7 +205,7 @@ SurfaceResult SurfaceCommand::of_mesh() {
   set_levels(spacing);
   options.sign.shell = shell.world(spacing);
   console.say(mesh_line(input.name(), mesh));
-  return naming_doubt(input.name(), "surface", [&] {
+  return naming_mesh(input.name(), "surface", [&] {
     return with_progress(console, options.progress, [&] { return surface(mesh, subject.grid, options); });
   });
 }

@@ -126,7 +126,7 @@ void ViewCommand::compute_field(Subject& subject) {
   const GridChoice choice = choose_grid(mesh);
   compute_options.memory_limit = field_argument.memory_limit();
   compute_options.up = up;
-  ComputeResult computed = naming_doubt(files.front(), "view", [&] {
+  ComputeResult computed = naming_mesh(files.front(), "view", [&] {
     return with_progress(console, compute_options.progress, [&] {
       return compute(subject.meshes.front().mesh, choice.grid, choice.thickness, compute_options);
     });

@@ -14,6 +14,7 @@
 #include "field/lattice.h"
 #include "field/mesh_parts.h"
 #include "field/prepare.h"
+#include "sign/plan.h"
 #include "sign/sign_field.h"
 #include "sign/sign_text.h"
 #include "standoff/version.h"
@@ -246,7 +247,7 @@ void FieldUpdate::check_windows() const {
   // Other backends also compute tiles beside dirty ones.
   const double computed = plan_->row->backend == Backend::cpu ? static_cast<double>(dirty_->count()) : tiles;
   const auto needed = [&](const ReachCounts& counts) {
-    return static_cast<double>(bytes_needed(*plan_, counts, 0)) +
+    return static_cast<double>(bytes_needed(*plan_, counts, {})) +
            field_bytes(std::min(counts.tiles, computed), tiles, field_.has_nearest());
   };
   if (needed({}) <= limit) return;

@@ -17,6 +17,7 @@
 #include "field/skip.h"
 #include "sign/diagnosis/closed.h"
 #include "sign/methods.h"
+#include "sign/open_winding/open_winding.h"
 #include "sign/plan.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/sign_field.h"
@@ -127,11 +128,13 @@ std::int64_t scratch_bytes(const Plan& plan, double brick_refs = std::numeric_li
   return devices * plan.row->scratch_bytes({plan.triangles, brick_refs}, part, plan.thickness, plan.threads);
 }
 
-// Bytes that deciding the sign takes beside the output and the crossings.
-std::int64_t sign_bytes(const Plan& plan) {
+// Bytes that deciding the sign takes beside the output and the crossings. Crossings that fit at once are not found row
+// by row.
+std::int64_t sign_bytes(const Plan& plan, bool crossings_fit = false) {
   Grid part = plan.grid;
   if (!may_share_rows(plan.grid)) part.size = plan.part;
-  return RowCrossings::other_bytes(plan.triangles, part, plan.threads) + plan.threads * InsideRows::bytes(part);
+  return RowCrossings::other_bytes(crossings_fit ? 0 : plan.triangles, part, plan.threads) +
+         plan.threads * InsideRows::bytes(part);
 }
 
 // The tiles of the grid, or of a window.
@@ -141,21 +144,23 @@ double tiles_at_once(const Plan& plan) { return static_cast<double>(tile_count(p
 // choice.
 constexpr std::int64_t kCrossingBytesInWindows = std::int64_t{32} << 20;
 
-// Bytes that are held while the sign is planned.
-std::int64_t planning_bytes_of(MeshView mesh, const ComputeOptions& options) {
-  return options.sign.method == SignMethod::none || !options.decision.empty() ? 0 : planning_bytes(mesh, options.sign);
+// A decision that is there already was made by a plan, which it keeps.
+SignMemory sign_memory_of(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
+  SignMemory memory = sign_memory(mesh, options.sign, plan.threads);
+  if (!options.decision.empty()) memory.planning = memory.kept;
+  return memory;
+}
+
+// What the sign of an open mesh takes beside the crossings of a closed one: the caps, and their crossings.
+std::int64_t open_sign_bytes(const Plan& plan, const SignMemory& sign) {
+  return sign.boundary == 0 ? 0 : OpenWinding::bytes(sign.boundary, plan.part, plan.threads);
 }
 
 // Advice for a computation that does not fit: only settings that would fit are named.
 class Advice {
  public:
-  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, std::int64_t planning)
-      : mesh_(mesh),
-        plan_(plan),
-        grid_(plan.grid),
-        thickness_(plan.field_thickness),
-        options_(options),
-        planning_(planning) {}
+  Advice(MeshView mesh, const Plan& plan, const ComputeOptions& options, const SignMemory& sign)
+      : mesh_(mesh), plan_(plan), grid_(plan.grid), thickness_(plan.field_thickness), options_(options), sign_(sign) {}
 
   std::string text() const {
     const std::int64_t side = largest_side();
@@ -172,7 +177,7 @@ class Advice {
                        std::min(grid.size.z, plan_.part.z)};
     const Plan plan =
         make_plan(plan_.triangles, grid, thickness, options_, plan_.is_dense, plan_.in_windows ? window : Size3{});
-    return bytes_needed(plan, scan_mesh(mesh_, plan, true).counts, planning_) <= memory_limit_of(options_);
+    return bytes_needed(plan, scan_mesh(mesh_, plan, true).counts, sign_) <= memory_limit_of(options_);
   }
 
   // Tries a band one sample wide.
@@ -206,12 +211,12 @@ class Advice {
   const Grid& grid_;
   double thickness_;
   const ComputeOptions& options_;
-  std::int64_t planning_;
+  const SignMemory& sign_;
 };
 
 }  // namespace
 
-std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, std::int64_t planning) {
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, const SignMemory& sign) {
   const double samples = static_cast<double>(plan.grid.sample_count());
   const double tiles = std::min(counts.tiles, tiles_at_once(plan));
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
@@ -219,21 +224,25 @@ std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, std::int6
   // The sign is planned before the output is made. The sign of a whole grid is decided after the backend has freed
   // its memory; in windows, the backend keeps it while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan, counts.brick_refs),
-                     of_sign = plan.with_sign ? sign_bytes(plan) + crossing_bytes(plan, counts.crossings) : 0;
+                     crossings = crossing_bytes(plan, counts.crossings);
+  const bool crossings_fit = crossings < crossing_bytes(plan);
+  const std::int64_t of_sign =
+      plan.with_sign ? sign_bytes(plan, crossings_fit) + crossings + open_sign_bytes(plan, sign) : 0;
   const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
                                                              : std::max(of_backend, of_sign));
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
-  const double total = std::max(static_cast<double>(planning), output + scratch + kept);
+  const double total =
+      std::max(static_cast<double>(sign.planning), output + scratch + kept + static_cast<double>(sign.kept));
   return total < 0x1p62 ? static_cast<std::int64_t>(total) : std::int64_t{1} << 62;
 }
 
-std::int64_t bytes_needed(const Plan& plan) {
-  return bytes_needed(plan, ReachCounts{}, plan.with_sign ? planning_bytes(plan.triangles) : 0);
+std::int64_t bytes_needed(const Plan& plan, const ComputeOptions& options) {
+  return bytes_needed(plan, ReachCounts{}, most_sign_memory(plan.triangles, options.sign, plan.threads));
 }
 
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
-  return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, planning_bytes_of(mesh, options));
+  return bytes_needed(plan, scan_mesh(mesh, plan, true).counts, sign_memory_of(mesh, plan, options));
 }
 
 std::int64_t crossing_bytes(const Plan& plan, double crossings) {
@@ -241,16 +250,16 @@ std::int64_t crossing_bytes(const Plan& plan, double crossings) {
                      most = plan.in_windows ? kCrossingBytesInWindows : scratch_bytes(plan) - sign_bytes(plan);
   // If there are more, they come in parts.
   const auto all = static_cast<std::int64_t>(std::min(crossings, 0x1p50));
-  return std::max(least, std::min(most, RowCrossings::least_bytes(all, plan.threads)));
+  return std::min(std::max(least, most), RowCrossings::least_bytes(all, plan.threads));
 }
 
 void check_memory(MeshView mesh, const Plan& plan, const ReachCounts& counts, const ComputeOptions& options) {
-  const std::int64_t planning = planning_bytes_of(mesh, options), limit = memory_limit_of(options),
-                     needed = bytes_needed(plan, counts, planning);
+  const SignMemory sign = sign_memory_of(mesh, plan, options);
+  const std::int64_t limit = memory_limit_of(options), needed = bytes_needed(plan, counts, sign);
   if (limit == 0 || needed <= limit) return;
   throw Error(ErrorCode::limit,
               "compute: the field may need " + over_the_limit(static_cast<double>(needed), static_cast<double>(limit)) +
-                  "; " + Advice(mesh, plan, options, planning).text(),
+                  "; " + Advice(mesh, plan, options, sign).text(),
               {.bytes_needed = needed, .bytes_limit = limit});
 }
 
@@ -267,10 +276,9 @@ MemoryEstimate estimate_of(const MeshView* mesh, std::int64_t triangles, const G
   const Plan whole = plan_of(false, {});
   const ReachCounts counts = mesh ? scan_mesh(*mesh, whole, true).counts : ReachCounts{};
   const double tiles = std::min(counts.tiles, tiles_at_once(whole));
-  const std::int64_t planning = mesh              ? planning_bytes_of(*mesh, options)
-                                : whole.with_sign ? planning_bytes(triangles)
-                                                  : 0;
-  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, counts, planning); };
+  const SignMemory sign =
+      mesh ? sign_memory_of(*mesh, whole, options) : most_sign_memory(triangles, options.sign, whole.threads);
+  const auto bytes = [&](const Plan& plan) { return bytes_needed(plan, counts, sign); };
   return {.whole = bytes(whole),
           .dense = bytes(plan_of(true, {})),
           .slabs = bytes(plan_of(false, slab_size(grid, slab_samples))),

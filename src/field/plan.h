@@ -11,6 +11,8 @@
 
 namespace standoff {
 
+struct SignMemory;
+
 /// Throws Error{usage} for an invalid thickness or invalid options.
 void validate(double thickness, const ComputeOptions& options);
 /// The size of slabs of about so many samples: whole layers of bricks. Requires a valid grid. Throws Error{usage} for
@@ -53,10 +55,9 @@ struct ReachCounts {
 };
 
 /// Bytes of output and scratch memory that a computation may need, at most 2^62. Dense output does not depend on tiles.
-/// `planning`: what is held before, while the sign is planned (planning_bytes of sign/plan.h).
-std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, std::int64_t planning);
+std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, const SignMemory& sign);
 /// The same for any triangles: all tiles of the grid may hold band samples.
-std::int64_t bytes_needed(const Plan& plan);
+std::int64_t bytes_needed(const Plan& plan, const ComputeOptions& options);
 /// The same for the triangles of a mesh. Uses the caller's arena. Throws the errors of validate(mesh).
 std::int64_t bytes_needed(MeshView mesh, const Plan& plan, const ComputeOptions& options);
 

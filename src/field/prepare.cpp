@@ -6,6 +6,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -91,12 +92,24 @@ bool fits_with(std::size_t triangles, const Plan& plan) {
          static_cast<std::int64_t>(sizeof(std::uint32_t)) * count + scratch(count) <= scratch(plan.triangles);
 }
 
-// The rows of samples along x that a box reaches, which may lie beside the grid.
-double rows_through(Box box, const Grid& grid) {
+// The most rows of samples along x that cross a triangle, which may lie beside the grid. They are points of a lattice
+// in its projection: at most its area, half of its perimeter and one, in spacings (Nosarzewska 1948, for any convex
+// set). `box`: the triangle's.
+double rows_through(const Corners& triangle, Box box, const Grid& grid) {
   box.min.x = -std::numeric_limits<double>::infinity(), box.max.x = std::numeric_limits<double>::infinity();
   const SampleRange samples = samples_in(box, grid);
   if (samples.empty()) return 0;
-  return static_cast<double>(samples.end.y - samples.begin.y) * static_cast<double>(samples.end.z - samples.begin.z);
+  const double of_box =
+      static_cast<double>(samples.end.y - samples.begin.y) * static_cast<double>(samples.end.z - samples.begin.z);
+  std::array<Vec3, 3> sides;
+  for (std::size_t n = 0; n < 3; ++n) {
+    sides[n] = (triangle[(n + 1) % 3] - triangle[n]) / grid.spacing;
+    sides[n].x = 0;
+  }
+  constexpr double kMoreThanRounding = 1 + 1e-9;
+  const double perimeter = length(sides[0]) + length(sides[1]) + length(sides[2]),
+               of_lattice = std::floor((length(cross(sides[0], sides[1])) + perimeter) / 2 * kMoreThanRounding + 1);
+  return std::min(of_box, of_lattice);
 }
 
 }  // namespace
@@ -129,7 +142,7 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
     if (!counts_boxes || !in_range) return sum;
     for (std::size_t t = positions.begin(); t < positions.end(); ++t) {
       const auto box = triangle_box(mesh, t);
-      if (plan.with_sign) sum.crossings += rows_through(box.grown(touching), plan.grid);
+      if (plan.with_sign) sum.crossings += rows_through(mesh.corners(t), box.grown(touching), plan.grid);
       const SampleRange samples = samples_in(box.grown(reach), plan.grid);
       if (samples.empty()) continue;
       sum.brick_refs += BlocksOfSamples(samples, kBrickSide).count();
@@ -151,7 +164,7 @@ MeshScan scan_mesh(MeshView mesh, const Plan& plan, bool counts_tiles) {
 void check_mesh(MeshView mesh, const Plan& plan, const ComputeOptions& options) {
   // Most fields fit whatever their triangles are.
   const std::int64_t limit = memory_limit_of(options);
-  const bool may_be_over = limit != 0 && bytes_needed(plan) > limit;
+  const bool may_be_over = limit != 0 && bytes_needed(plan, options) > limit;
   const MeshScan scan = scan_mesh(mesh, plan, may_be_over);
   if (may_be_over) check_memory(mesh, plan, scan.counts, options);
   if (!scan.is_near) check_domain(mesh, plan.grid);

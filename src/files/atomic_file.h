@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output files that appear whole or not at all, whole text files, temporary files, and the names of unfinished files
-// for signal handlers.
+// Output files that appear whole or not at all, the room for them on the disk, whole text files, temporary files, and
+// the names of unfinished files for signal handlers.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -102,6 +103,13 @@ std::string unfinished_name();
 
 /// Where the links of a name end, even if nothing is there yet. Where they lead in a circle, opening the file says so.
 std::filesystem::path end_of_links(std::filesystem::path path);
+
+/// The bytes that the file system still takes where this file is, or is to be; nothing where it does not tell, and for
+/// pipes and devices. An older file of the name counts as what is taken: it stays until the new one is complete.
+std::optional<std::uint64_t> room_for(const std::filesystem::path& file);
+
+/// Throws Error{output} where a file of so many bytes would not fit into `room`, of room_for().
+void expect_room(const std::filesystem::path& file, double bytes, std::optional<std::uint64_t> room);
 
 /// The bytes of a file. Errors: input; limit when memory runs out.
 std::string read_text(const std::filesystem::path& path);

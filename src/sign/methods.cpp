@@ -122,7 +122,7 @@ Made winding_signs(const OrientedMesh& mesh, SignPlan& plan, const SignOptions& 
   if (plan.boundary.edges.empty())
     return std::make_unique<IntegerWinding>(mesh, field.grid, options.rule, progress, field.crossing_bytes);
   if (!plan.caps) plan.caps = std::make_shared<const Caps>(plan.boundary, progress);
-  return std::make_unique<OpenWinding>(mesh, plan.caps, field.grid, options.rule, progress);
+  return std::make_unique<OpenWinding>(mesh, plan.caps, field.grid, options.rule, progress, field.crossing_bytes);
 }
 
 Made parity_signs(const OrientedMesh& mesh, SignPlan&, const SignOptions&, const UnsignedField& field,

@@ -37,11 +37,17 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& pro
 /// by parity for one whose edges all have an even number of triangles.
 SignPlan plan_of_closed(SignMethod method);
 
-/// The most bytes that plan_sign() holds for any mesh of so many triangles: those of a diagnosis.
-constexpr std::int64_t planning_bytes(std::int64_t triangles) { return 256 * triangles + (4 << 20); }
-/// The same for this mesh: one that is closed and faces outwards needs no diagnosis. Requires a valid mesh. Runs on the
-/// threads of the calling TBB arena.
-std::int64_t planning_bytes(MeshView mesh, const SignOptions& options);
+/// The most that a sign takes, beside what its rows and crossings take.
+struct SignMemory {
+  std::int64_t planning = 0;  ///< bytes that plan_sign() holds
+  std::int64_t kept = 0;      ///< bytes of the plan
+  std::int64_t boundary = 0;  ///< edges that caps may close (OpenWinding)
+};
+/// For any mesh of so many triangles: that of a diagnosis.
+SignMemory most_sign_memory(std::int64_t triangles, const SignOptions& options, int threads);
+/// For this mesh: one that is closed and faces outwards needs no diagnosis; of others the edges are counted. Requires a
+/// valid mesh. Runs on the threads of the calling TBB arena.
+SignMemory sign_memory(MeshView mesh, const SignOptions& options, int threads);
 
 /// Throws Error{doubt} where the plan is not certain and the options are `strict`.
 void expect_sure(const SignPlan& plan, const SignOptions& options);

@@ -133,12 +133,12 @@ class Tables(unittest.TestCase):
         rows = [{"pair": f"p{n}", "query": "least distance", "place of b": "1 apart", "peer": "FCL", "ratio": ratio, "poses": "10",
                  "at least": "10x", "answers that differ": str(n)} for n, ratio in enumerate(ratios)]
         (line,) = quotes.summary(rows, True)
-        self.assertEqual(line["worst of medians"], "-")
+        self.assertEqual(line["worst median pose"], "-")
         (line,) = quotes.summary([row | {"of medians": f"{n + 2.5}x"} for n, row in enumerate(rows)], True)
-        self.assertEqual(line["worst of medians"], "2.5x (p0, 1 apart)")
+        self.assertEqual(line["worst median pose"], "2.5x (p0, 1 apart)")
         self.assertEqual(quotes.shortfall(rows), 0.098)
-        self.assertEqual((line["worst"], line["median"], line["best"]), ("0.98x (p1, 1 apart)", "7.2x", "> 30x (p2, 1 apart)"))
-        self.assertEqual((line["cases"], line["slower in"], line["answers"], line["that differ"]), (5, 1, 50, 10))
+        self.assertEqual((line["worst case"], line["median case"], line["best case"]), ("0.98x (p1, 1 apart)", "7.2x", "> 30x (p2, 1 apart)"))
+        self.assertEqual((line["cases"], line["cases slower"], line["answers"], line["that differ"]), (5, 1, 50, 10))
         self.assertEqual([quotes.short(number) for number in (0.996, 0.994, 9.96, 9.94)], ["1.0x", "0.99x", "10x", "9.9x"])
 
     def test_markers(self):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // labels: memory
 // What does not fit on a disk is refused; a disk that does not tell, or nearly full, refuses nothing that fits.
-#include "files/room.h"
+#include "files/atomic_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

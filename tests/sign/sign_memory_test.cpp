@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// estimate() of signed fields is an upper bound of what computing them holds, at most a tenth above that of
-// unsigned ones, and never a reason for a wrong sign.
+// estimate() of signed fields is an upper bound of what computing them holds, and no far one; at most a tenth above
+// that of unsigned ones if nothing is to be diagnosed; and never a reason for a wrong sign.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/threads.h"
 #include "scenes/scenes.h"
+#include "sign/plan.h"
 #include "standoff/compute.h"
+#include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/heap.h"
+#include "tests/support/random_mesh.h"
 
 namespace standoff {
 namespace {
@@ -94,6 +101,118 @@ TEST(SignMemory, ATenthMoreThanUnsigned) {
         EXPECT_LE(static_cast<double>(with_sign), 1.1 * static_cast<double>(plain)) << kind.name << ", " << side;
       }
     }
+}
+
+// Open meshes and others that need a diagnosis. Most are like those that people have; the others are the worst.
+Mesh without_every(int nth, Mesh mesh) {
+  int n = 0;
+  std::erase_if(mesh.triangles, [&](const Triangle&) { return ++n % nth == 0; });
+  return mesh;
+}
+Mesh with_reversed(int nth, Mesh mesh) {
+  int n = 0;
+  for (Triangle& t : mesh.triangles)
+    if (++n % nth == 0) std::swap(t[0], t[1]);
+  return mesh;
+}
+Mesh unwelded(const Mesh& mesh) {
+  Mesh all;
+  for (const auto& [a, b, c] : mesh.triangles)
+    testing::add_triangle(all, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+  return all;
+}
+Mesh two_sided(Mesh mesh) {
+  const Mesh front = mesh;
+  for (const auto& [a, b, c] : front.triangles) mesh.triangles.push_back({a, c, b});
+  return mesh;
+}
+Mesh inside_out(Mesh mesh) { return with_reversed(1, std::move(mesh)); }
+// Pages around one edge.
+Mesh book(std::uint32_t pages) {
+  Mesh mesh{{{0, 0, -1}, {0, 0, 1}}, {}};
+  for (std::uint32_t n = 0; n < pages; ++n) {
+    const double angle = testing::kTurn * n / pages;
+    mesh.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+    mesh.triangles.push_back({0, 1, 2 + n});
+  }
+  return mesh;
+}
+
+std::vector<Kind> usual_kinds() {
+  const Mesh ball = testing::sphere(80);
+  return {{"terrain", testing::terrain(120)},
+          {"terrain, nothing shared", unwelded(testing::terrain(120))},
+          {"a ball with a hole", without_every(20'000, ball)},
+          {"a ball with many holes", without_every(200, ball)},
+          {"a ball of reversed triangles", with_reversed(7, ball)},
+          {"a ball with holes, reversed", with_reversed(7, without_every(500, ball))},
+          {"a ball with two sides", two_sided(without_every(500, ball))},
+          {"a ball inside out", inside_out(ball)},
+          {"plane", scenes::make("plane", 40'000)},
+          {"an assembly with an open chute", scenes::make("our_process", 40'000)}};
+}
+std::vector<Kind> worst_kinds() {
+  return {{"a third is missing", without_every(3, testing::sphere(40))},
+          {"a soup", testing::random_soup(5, 3000, 1, 0.1)},
+          {"a nasty soup", testing::nasty_soup(5, 3000, 5)},
+          {"a dense nasty soup", testing::nasty_soup(5, 3000, 2)},
+          {"a book", book(3000)},
+          {"shells inside out", inside_out(shells(500))},
+          {"solids through each other inside out", inside_out(solids(200, 1))},
+          {"a solid twice, half reversed", with_reversed(2, two_sided(testing::sphere(20)))}};
+}
+
+// What planning takes; `said` what was said.
+std::int64_t planning_of(const Mesh& mesh, const SignOptions& options, int threads, std::int64_t& said) {
+  return Threads(threads).run([&] {
+    said = sign_memory(mesh, options, threads).planning;
+    ProgressMeter nobody;
+    return testing::heap::most_held([&] { plan_sign(mesh, options, nobody); });
+  });
+}
+
+TEST(SignMemory, ADiagnosisTakesWhatWasSaid) {
+  std::int64_t said = 0;
+  for (const int threads : {1, 4}) {
+    for (const Kind& kind : usual_kinds()) {
+      const std::int64_t taken = planning_of(kind.mesh, {}, threads, said);
+      EXPECT_LE(taken, said + kSmallThings) << kind.name;
+      EXPECT_LE(said, 3 * taken / 2) << kind.name;
+    }
+    for (const Kind& kind : worst_kinds())
+      for (const bool as_oriented : {false, true})
+        for (const SignMethod method : {SignMethod::automatic, SignMethod::winding}) {
+          const SignOptions options{.method = method, .as_oriented = as_oriented};
+          const std::int64_t taken = planning_of(kind.mesh, options, threads, said);
+          EXPECT_LE(taken, said + kSmallThings) << kind.name;
+          const auto triangles = static_cast<std::int64_t>(kind.mesh.triangles.size());
+          EXPECT_LE(said, most_sign_memory(triangles, options, threads).planning) << kind.name;
+        }
+  }
+}
+
+// A limit once had to be 3.6 times what was taken; and soups took more than was said. In finer grids, the field takes
+// the most, and its tiles come in chunks that double.
+TEST(SignMemory, FieldsOfOpenMeshesTakeWhatWasSaid) {
+  for (const Kind& kind : usual_kinds()) {
+    const Grid grid = grid_of(kind.mesh, {64, 64, 64});
+    const ComputeOptions options = options_with(SignMethod::automatic);
+    const double thickness = 2 * grid.max_spacing();
+    const std::int64_t said = estimate(kind.mesh, grid, thickness, options).whole;
+    const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
+    EXPECT_LE(taken, said + kSmallThings) << kind.name;
+    EXPECT_LE(said, 3 * taken / 2) << kind.name;
+  }
+  for (const Kind& kind : worst_kinds())
+    for (const SignMethod method : {SignMethod::automatic, SignMethod::winding})
+      for (const int threads : {1, 4}) {
+        const Grid grid = grid_of(kind.mesh, {16, 24, 20});
+        const ComputeOptions options = options_with(method, threads);
+        const std::int64_t said = estimate(kind.mesh, grid, grid.max_spacing(), options).whole;
+        const std::int64_t taken =
+            testing::heap::most_held([&] { compute(kind.mesh, grid, grid.max_spacing(), options); });
+        EXPECT_LE(taken, said + kSmallThings) << kind.name << ", sign " << name_of(method);
+      }
 }
 
 // Shells with 2 crossings in each row: more than the memory that unsigned fields take. With no more than that

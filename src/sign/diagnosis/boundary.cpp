@@ -35,10 +35,16 @@ BoundaryEdge boundary_edge_of(const MeshView& mesh, const ExcessEdge& one) {
 }
 
 std::vector<ExcessEdge> edges_in_excess(const OrientedMesh& mesh, const MeshEdges& edges) {
+  const auto for_each_found = [&](const auto& use) {
+    edges.for_each([&](std::span<const HalfEdge> sides) {
+      if (const std::int32_t excess = excess_of(sides, mesh.use)) use(ExcessEdge{sides.front(), excess});
+    });
+  };
+  std::size_t count = 0;
+  for_each_found([&](const ExcessEdge&) { ++count; });
   std::vector<ExcessEdge> found;
-  edges.for_each([&](std::span<const HalfEdge> sides) {
-    if (const std::int32_t excess = excess_of(sides, mesh.use)) found.push_back({sides.front(), excess});
-  });
+  found.reserve(count);
+  for_each_found([&](const ExcessEdge& one) { found.push_back(one); });
   return found;
 }
 
@@ -55,6 +61,7 @@ Vec3 farthest_from(const Vec3& from, std::span<const BoundaryEdge> loop) {
 Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
   const std::vector<ExcessEdge> all = edges_in_excess(mesh, edges);
   std::vector<std::uint32_t> ends;
+  ends.reserve(2 * all.size());
   for (const ExcessEdge& one : all) ends.insert(ends.end(), {one.side.low, one.side.high});
   std::ranges::sort(ends);
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
@@ -72,6 +79,7 @@ Boundary net_boundary(const OrientedMesh& mesh, const MeshEdges& edges) {
     ++next[loop_of[n] + 1];
   }
   Boundary boundary;
+  boundary.begin.reserve(next.size() - static_cast<std::size_t>(std::ranges::count(next, 0)) + 1);
   for (std::size_t n = 1; n < next.size(); ++n) {
     if (next[n] > 0) boundary.begin.push_back(boundary.begin.back() + next[n]);
     next[n] += next[n - 1];

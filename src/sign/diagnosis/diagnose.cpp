@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 #include "core/tile_count.h"
 #include "geometry/predicates.h"
@@ -55,19 +56,57 @@ struct WindingRange {
   std::int32_t least = 0, most = 0;
 };
 
+constexpr std::int64_t kMostRows = 128;           // to a side
+constexpr std::int64_t kCrossingBytes = 1 << 18;  // what crossings may take at a time, where that is enough
+
+// Thousands of shells inside each other have very many crossings, and show most of their winding numbers in any row.
+std::int64_t rows_for(MeshView mesh, const Box& bounds) {
+  constexpr double kMostTests = 2e7;
+  std::int64_t rows = kMostRows;
+  for (double tests = tests_of(mesh, bounds, rows); tests > kMostTests && rows > 8; tests /= 4) rows /= 2;
+  return rows;
+}
+
+struct CrossingCounts {
+  std::int64_t all = 0, most_of_tiles = 0;  // of the 64 rows of some tiles
+};
+
+// The most crossings that the rows through the middle of `rows` by `rows` cells may have, by the boxes of triangles.
+CrossingCounts most_crossings(MeshView mesh, const Box& bounds, std::int64_t rows) {
+  const std::int64_t tiles = tiles_along(rows);
+  std::vector<std::int64_t> of_tiles(static_cast<std::size_t>(tiles * tiles));
+  // Widened by more than rounding.
+  const auto first = [&](double at, double low, double extent) {
+    const double row = extent > 0 ? (at - low) / extent * static_cast<double>(rows) - 0.5 : 0;
+    return static_cast<std::int64_t>(std::clamp(std::ceil(row - 1e-6), 0.0, static_cast<double>(rows)));
+  };
+  const auto last = [&](double at, double low, double extent) {
+    const double row = extent > 0 ? (at - low) / extent * static_cast<double>(rows) - 0.5 : static_cast<double>(rows);
+    return static_cast<std::int64_t>(std::clamp(std::floor(row + 1e-6), -1.0, static_cast<double>(rows - 1)));
+  };
+  const Vec3 low = bounds.min, extent = bounds.extent();
+  CrossingCounts found;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Box box;
+    for (const Vec3& corner : mesh.corners(t)) box.include(corner);
+    const std::int64_t y_begin = first(box.min.y, low.y, extent.y), y_last = last(box.max.y, low.y, extent.y),
+                       z_begin = first(box.min.z, low.z, extent.z), z_last = last(box.max.z, low.z, extent.z);
+    for (std::int64_t z = z_begin; z <= z_last; ++z)
+      for (std::int64_t y = y_begin; y <= y_last; ++y)
+        ++of_tiles[static_cast<std::size_t>(y / kTileSide + tiles * (z / kTileSide))], ++found.all;
+  }
+  found.most_of_tiles = *std::ranges::max_element(of_tiles);
+  return found;
+}
+
 // The least and the largest winding number at 1024 samples of each of 128 x 128 rows along x through the bounds, or of
 // fewer rows where triangles cover many of them. It is exact there, and sees nothing between the samples. Requires a
 // mesh that is closed in the orientation given. Runs on the threads of the calling TBB arena.
 WindingRange find_winding_range(const OrientedMesh& mesh, const Box& bounds) {
   const ProgressCallback none;
   ProgressMeter progress(none);
-  // Thousands of shells inside each other have very many crossings, and show most of their winding numbers in any row.
-  constexpr double kMostTests = 2e7;
-  constexpr std::int64_t kBytes = 1 << 20;  // what crossings may take at a time
-  std::int64_t rows = 128;
-  for (double tests = tests_of(mesh.mesh, bounds, rows); tests > kMostTests && rows > 8; tests /= 4) rows /= 2;
-  const Grid grid = samples_in(bounds, rows);
-  RowCrossings crossings(mesh, grid, progress, kBytes);
+  const Grid grid = samples_in(bounds, rows_for(mesh.mesh, bounds));
+  RowCrossings crossings(mesh, grid, progress, kCrossingBytes);
   WindingRange range;
   const std::int64_t tiles_y = tiles_along(grid.size.y), rows_of_tiles = tiles_y * tiles_along(grid.size.z);
   for (std::int64_t first = 0, end = 0; first < rows_of_tiles; first = end) {
@@ -89,6 +128,23 @@ WindingRange find_winding_range(const OrientedMesh& mesh, const Box& bounds) {
 }
 
 }  // namespace
+
+std::int64_t winding_range_bytes(MeshView mesh, int threads) {
+  const Box box = bounds(mesh);
+  const std::int64_t rows = rows_for(mesh, box);
+  const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  const CrossingCounts most = most_crossings(mesh, box, rows);
+  const std::int64_t limit = std::max(kCrossingBytes, RowCrossings::least_bytes(triangles, threads));
+  // Crossings are found row by row only where those of the 64 rows of some tiles do not fit.
+  const bool fit = RowCrossings::least_bytes(most.most_of_tiles, threads) <= limit;
+  return std::min(limit, RowCrossings::least_bytes(most.all, threads)) +
+         RowCrossings::other_bytes(fit ? 0 : triangles, samples_in(box, rows), threads);
+}
+
+std::int64_t winding_range_bytes(std::int64_t triangles, int threads) {
+  return std::max(kCrossingBytes, RowCrossings::least_bytes(triangles, threads)) +
+         RowCrossings::other_bytes(triangles, samples_in({{0, 0, 0}, {1, 1, 1}}, kMostRows), threads);
+}
 
 std::string counted(std::int64_t n, const char* one, const char* many) {
   return std::to_string(n) + ' ' + (n == 1 ? one : many);

@@ -23,6 +23,11 @@ struct Diagnosis {
 /// arena.
 Diagnosis diagnose(MeshView mesh, const MeshEdges& edges, ProgressMeter& progress);
 
+/// The most bytes that diagnose() takes to find the winding numbers that occur in a mesh that is closed once it is
+/// oriented; for the mesh, or for any of so many triangles.
+std::int64_t winding_range_bytes(MeshView mesh, int threads);
+std::int64_t winding_range_bytes(std::int64_t triangles, int threads);
+
 /// A number with a noun, such as "1 edge" or "2 edges".
 std::string counted(std::int64_t n, const char* one, const char* many);
 

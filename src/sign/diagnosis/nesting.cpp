@@ -110,9 +110,10 @@ constexpr std::size_t kVotes = 3;  // of each part
 // What the points of each part say of its ancestors.
 class Votes {
  public:
-  Votes(const PartCrossings& crossings, const PartOrder& order, std::int64_t most_work)
+  Votes(const PartCrossings& crossings, const PartOrder& order, std::int64_t most_crossings, std::int64_t most_work)
       : crossings_(crossings),
         active_(order, trie_),
+        most_crossings_(most_crossings),
         most_work_(most_work),
         votes_(order.size()),
         winding_(order.size()) {}
@@ -144,6 +145,7 @@ class Votes {
   const PartCrossings& crossings_;
   Trie trie_;
   ActiveParts active_;
+  std::int64_t most_crossings_;  // in memory at a time
   std::int64_t most_work_, work_ = 0;
   std::size_t round_ = 0;
   std::vector<std::array<std::uint32_t, kVotes>> votes_;  // nodes
@@ -155,6 +157,7 @@ class Votes {
 bool Votes::vote(std::span<const PartPoint> points, std::span<const std::uint8_t> is_first) {
   waits_.assign(votes_.size(), 0);
   std::vector<PartPoint> rows;
+  rows.reserve(points.size());
   for (const PartPoint& point : points) {
     waits_[point.part] = 1;
     if (is_first[point.part] != 0) rows.push_back(point);
@@ -173,12 +176,16 @@ bool Votes::vote(std::span<const PartPoint> points, std::span<const std::uint8_t
 
 bool Votes::ask(std::span<const PartPoint> rows) {
   if (rows.empty()) return true;
-  work_ += crossings_.tests(rows);
+  const std::int64_t tests = crossings_.tests(rows);
+  work_ += tests;
   if (is_too_much()) return false;
-  constexpr std::size_t kMostCrossings = 1 << 22;
+  // Half of the rows at a time where there are too many crossings; those of one row always fit.
+  const std::int64_t most = rows.size() == 1 ? tests : std::min(tests, most_crossings_);
   std::vector<PartCrossing> crossings;
-  if (!crossings_.find(rows, kMostCrossings, crossings))
+  if (!crossings_.find(rows, static_cast<std::size_t>(most), crossings)) {
+    work_ -= tests;
     return ask(rows.first(rows.size() / 2)) && ask(rows.subspan(rows.size() / 2));
+  }
   auto next = crossings.begin();
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const auto first = next;
@@ -294,6 +301,7 @@ std::array<std::vector<PartPoint>, kVotes> points_of(const OrientedMesh& mesh, s
   };
   std::vector<std::uint32_t> place(wanted.size(), Nesting::kNone);
   std::array<std::vector<PartPoint>, kVotes> points;
+  for (auto& some : points) some.reserve(static_cast<std::size_t>(std::ranges::count(wanted, 1)));
   for (std::size_t t = 0; t < part_of.size(); ++t) {
     const std::uint32_t part = part_of[t];
     if (mesh.use_of(t) == 0 || part == Nesting::kNone || wanted[part] == 0) continue;
@@ -320,11 +328,13 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   const std::vector<std::uint32_t> part_at = in_order(parts);
   if (part_at.size() < 2) return nesting;
   std::vector<Box> boxes;
+  boxes.reserve(part_at.size());
   std::vector<std::uint32_t> number_of(parts.size(), Nesting::kNone), numbers;
   for (const std::uint32_t part : part_at) {
     number_of[part] = static_cast<std::uint32_t>(boxes.size());
     boxes.push_back(parts[part].bounds);
   }
+  numbers.reserve(part_of.size());
   for (const std::uint32_t part : part_of) numbers.push_back(number_of[part]);
   const PartOrder order(std::move(boxes));
   const Candidates candidates = find_candidates(order, most_tests);
@@ -335,7 +345,9 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   for (std::uint32_t& number : numbers)  // what contains nothing need not be met
     if (number != Nesting::kNone && candidates.innermost[number] != 0) number = Nesting::kNone;
   const PartCrossings crossings(mesh, numbers, order);
-  Votes votes(crossings, order, most_tests - candidates.tests);
+  // A quarter of the triangles, so that crossings take little beside the edges of the mesh. The part is a choice.
+  const auto most_crossings = static_cast<std::int64_t>(std::max(part_of.size() / 4, std::size_t{1} << 14));
+  Votes votes(crossings, order, most_crossings, most_tests - candidates.tests);
   for (const std::vector<PartPoint>& points : all_points)
     if (!votes.vote(points, candidates.innermost)) {
       nesting.known = false;

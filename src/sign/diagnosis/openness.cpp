@@ -13,6 +13,7 @@
 #include <span>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/hashes.h"
@@ -141,6 +142,21 @@ struct OpenEdges {
 OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
   OpenEdges open;
   open.number.assign(edges.positions(), kNoPoint);
+  const auto for_each_open = [&](const auto& use) {
+    for_each_edge(edges, {}, [&](std::span<const HalfEdge> sides) {
+      if (sides.size() % 2 != 0) use(sides);
+    });
+  };
+  std::size_t points = 0, count = 0;
+  for_each_open([&](std::span<const HalfEdge> sides) {
+    ++count;
+    for (const std::uint32_t end : {sides.front().low, sides.front().high})
+      points += std::exchange(open.number[end], 0) == kNoPoint;
+  });
+  if (count == 0) return open;
+  std::ranges::fill(open.number, kNoPoint);
+  open.points.reserve(points);
+  open.edges.reserve(count);
   const auto point = [&](std::uint32_t position, const Vec3& at) {
     std::uint32_t& number = open.number[position];
     if (number == kNoPoint) {
@@ -149,8 +165,7 @@ OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
     }
     return number;
   };
-  for_each_edge(edges, {}, [&](std::span<const HalfEdge> sides) {
-    if (sides.size() % 2 == 0) return;
+  for_each_open([&](std::span<const HalfEdge> sides) {
     const HalfEdge& side = sides.front();
     const auto corners = mesh.corners(side.triangle);
     Vec3 low = corners[side.corner], high = corners[(side.corner + 1) % 3];

@@ -32,6 +32,7 @@ std::vector<PieceSize> sizes_of(const OrientedMesh& mesh, const Pieces& pieces) 
 
 std::vector<Part> parts_of(const Pieces& pieces, const std::vector<PieceSize>& sizes) {
   std::vector<Part> parts;
+  parts.reserve(pieces.size());
   for (std::size_t n = 0; n < pieces.size(); ++n)
     parts.push_back({sizes[n].bounds, pieces.unorientable[n] == 0 && is_solid(sizes[n].sums, pieces.closed[n] != 0)});
   return parts;

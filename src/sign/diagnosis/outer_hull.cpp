@@ -152,6 +152,7 @@ std::vector<std::int8_t> outer_hulls(MeshView mesh, const MeshEdges& edges, cons
   DisjointSets cells = find_cells(mesh, edges, patches);
   const std::vector<PartSums> sums = sums_of(mesh, patches, piece_of, wanted);
   std::vector<HullShare> shares;
+  shares.reserve(static_cast<std::size_t>(2 * std::ranges::count_if(piece_of, [&](auto n) { return wanted[n] != 0; })));
   for (std::uint32_t p = 0; p < patches.size(); ++p)
     for (const std::uint32_t side : {front_of(p), back_of(p)}) {
       if (wanted[piece_of[p]] == 0) continue;

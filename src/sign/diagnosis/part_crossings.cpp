@@ -5,13 +5,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <tuple>
 
-#include "core/threads.h"
 #include "sign/rows/ray_crossing.h"
 
 namespace standoff {
@@ -90,6 +91,7 @@ PointGrid grid_of_rows(std::span<const PartPoint> rows) {
 Candidates find_candidates(const PartOrder& order, std::int64_t most_tests) {
   const std::uint32_t count = order.size();
   std::vector<PartPoint> lows;
+  lows.reserve(count);
   for (std::uint32_t n = 0; n < count; ++n) lows.push_back({order[n].min, n});
   const PointGrid grid(lows);
   Candidates found{std::vector<std::uint8_t>(count), std::vector<std::uint8_t>(count, 1)};
@@ -120,12 +122,23 @@ std::int64_t PartCrossings::tests(std::span<const PartPoint> rows) const {
 
 bool PartCrossings::find(std::span<const PartPoint> rows, std::size_t most,
                          std::vector<PartCrossing>& crossings) const {
+  constexpr std::size_t kAtOnce = 256;
   const PointGrid grid = grid_of_rows(rows);
-  const std::size_t share = rows.size() <= 1 ? part_of_.size() : most;
-  PerThread<std::vector<PartCrossing>> found;
+  crossings.clear();
+  crossings.reserve(most);
+  std::mutex of_crossings;
+  std::atomic<bool> too_many = false;
+  const auto take = [&](std::vector<PartCrossing>& some) {
+    const std::lock_guard alone(of_crossings);
+    if (some.size() > most - crossings.size())
+      too_many = true;
+    else
+      crossings.insert(crossings.end(), some.begin(), some.end());
+    some.clear();
+  };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, part_of_.size(), 1024), [&](const auto& range) {
-    std::vector<PartCrossing>& mine = found.local();
-    for (std::size_t t = range.begin(); t != range.end() && mine.size() <= share; ++t) {
+    std::vector<PartCrossing> mine;
+    for (std::size_t t = range.begin(); t != range.end() && !too_many; ++t) {
       if (!is_looked_at(t)) continue;
       const Box box = bounds_of(t);
       std::optional<RayTriangle> ray;
@@ -136,14 +149,15 @@ bool PartCrossings::find(std::span<const PartPoint> rows, std::size_t most,
         if (!ray) ray.emplace(mesh_.corners(t));
         if (const int step = ray->crossing(row.at.y, row.at.z))
           mine.push_back({n, part_of_[t], static_cast<std::uint32_t>(t), step});
+        if (mine.size() == kAtOnce) take(mine);
       });
     }
+    take(mine);
   });
-  std::size_t total = 0;
-  found.for_each([&](const std::vector<PartCrossing>& some) { total += some.size(); });
-  if (total > share) return false;
-  crossings.clear();
-  found.for_each([&](const auto& some) { crossings.insert(crossings.end(), some.begin(), some.end()); });
+  if (too_many) {
+    crossings = {};
+    return false;
+  }
   std::ranges::sort(crossings, {}, [](const PartCrossing& c) { return std::tuple(c.row, c.part, c.triangle); });
   return true;
 }

@@ -62,7 +62,7 @@ class PartCrossings {
 
   /// How many pairs of a triangle and a row find() compares.
   std::int64_t tests(std::span<const PartPoint> rows) const;
-  /// All crossings, by row, part, triangle. False if there are more than `most`, unless there is but one row.
+  /// All crossings, by row, part, triangle. False, and none, if there are more than `most`. Takes memory for `most`.
   bool find(std::span<const PartPoint> rows, std::size_t most, std::vector<PartCrossing>& crossings) const;
 
   /// Whether a point of the row is past the crossing.

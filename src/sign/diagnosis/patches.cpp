@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <queue>
 #include <span>
 #include <tuple>
@@ -91,9 +92,12 @@ std::vector<std::int8_t> greedy_orientations(std::size_t count, std::span<const 
     preferences[next[pair.b]++] = {pair.a, pair.gain};
   }
 
-  // Take the strongest sum first, then the least number. A sum that has changed meanwhile is in the queue again.
+  // Take the strongest sum first, then the least number. A sum that has changed meanwhile is in the queue again: each
+  // pair changes one.
   using Entry = std::pair<std::int64_t, std::int64_t>;
-  std::priority_queue<Entry> queue;
+  std::vector<Entry> entries;
+  entries.reserve(pairs.size() + 1);
+  std::priority_queue<Entry> queue(std::less<Entry>(), std::move(entries));
   std::vector<std::int8_t> orientations(count, 1);
   std::vector<std::uint8_t> done(count);
   std::vector<std::int64_t> sums(count);
@@ -152,10 +156,22 @@ struct Borders {
 };
 
 Borders find_borders(const MeshEdges& edges, const Patches& patches) {
+  const auto for_each_nonmanifold = [&](const auto& use) {
+    for_each_edge(edges, patches.orientation, [&](std::span<const HalfEdge> sides) {
+      if (sides.size() > 2) use(sides);
+    });
+  };
+  std::size_t count = 0, sides_of_all = 0;
+  for_each_nonmanifold([&](std::span<const HalfEdge> sides) {
+    ++count;
+    sides_of_all += sides.size();
+  });
   Borders borders;
+  if (count == 0) return borders;
+  borders.all.reserve(sides_of_all);
+  borders.begin.reserve(count + 1);
   std::vector<Border> here;
-  for_each_edge(edges, patches.orientation, [&](std::span<const HalfEdge> sides) {
-    if (sides.size() < 3) return;
+  for_each_nonmanifold([&](std::span<const HalfEdge> sides) {
     find_borders_at(sides, patches.of, patches.orientation, here);
     borders.all.insert(borders.all.end(), here.begin(), here.end());
     if (!here.empty()) borders.begin.push_back(borders.all.size());
@@ -167,11 +183,19 @@ Borders find_borders(const MeshEdges& edges, const Patches& patches) {
 // with many patches only neighbours in the list become pairs, because all pairs could be the square of the triangles.
 std::vector<PatchPair> pairs_of(const Borders& borders) {
   constexpr std::size_t kMany = 8;
+  const auto for_each_pair = [&](const auto& use) {
+    borders.for_each([&](std::span<const Border> here) {
+      for (std::size_t i = 0; i < here.size(); ++i)
+        for (std::size_t j = i + 1; j < (here.size() > kMany ? std::min(i + 2, here.size()) : here.size()); ++j)
+          use(here[i], here[j]);
+    });
+  };
+  std::size_t count = 0;
+  for_each_pair([&](const Border&, const Border&) { ++count; });
   std::vector<PatchPair> pairs;
-  borders.for_each([&](std::span<const Border> here) {
-    for (std::size_t i = 0; i < here.size(); ++i)
-      for (std::size_t j = i + 1; j < (here.size() > kMany ? std::min(i + 2, here.size()) : here.size()); ++j)
-        pairs.push_back({here[i].patch, here[j].patch, -std::int64_t{here[i].excess} * here[j].excess});
+  pairs.reserve(count);
+  for_each_pair([&](const Border& a, const Border& b) {
+    pairs.push_back({a.patch, b.patch, -std::int64_t{a.excess} * b.excess});
   });
   std::ranges::sort(pairs, {}, [](const PatchPair& p) { return std::tuple(p.a, p.b); });
   std::size_t sums = 0;
@@ -209,6 +233,7 @@ Pieces join_patches(const Patches& patches, const std::vector<PatchPair>& pairs,
     found.unorientable[piece_of[p]] |= patches.unorientable[p];
   }
   found.closed.assign(found.unorientable.size(), 1);
+  found.of.reserve(patches.of.size());
   for (const std::uint32_t patch : patches.of) found.of.push_back(piece_of[patch]);
   return found;
 }

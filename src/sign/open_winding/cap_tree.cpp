@@ -225,10 +225,15 @@ struct QuickAngles::Sum {
 QuickAngles::QuickAngles(const Rims& rims, const RimTree& tree, ProgressMeter& progress)
     : rims_(rims), tree_(tree), kernels_(cpu::sign_kernels_for(Simd::automatic)) {
   Box box;
+  std::size_t triangles = 0;
   for (std::size_t n = 0; n < rims.size(); ++n) {
     box.include(rims[n].apex);
     for (const Vec3& corner : rims[n].corners) box.include(corner);
+    if (rims[n].weight == 1) triangles += rims[n].corners.size() == 3 ? 1 : rims[n].corners.size();
   }
+  sources_.reserve(triangles);
+  for (auto& corner : corners_)
+    for (std::vector<float>& axis : corner) axis.reserve(triangles + AngleTriangles::kLanes);
   if (rims.size() > 0) center_ = box.center();
   const double reach = rims.size() > 0 ? max_norm(box.max - center_) : 0;
   if (reach > 0 && std::isfinite(reach)) scale_ = std::ldexp(1.0, -std::ilogb(reach) - 1);

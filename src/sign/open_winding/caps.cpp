@@ -34,18 +34,44 @@ Vec3 point_amid(std::span<const Vec3> corners) {
 
 }  // namespace
 
+namespace {
+
+constexpr std::size_t kArc = 8, kUncut = 32;  // edges
+
+// The arcs that a polygon of so many corners is cut into.
+std::size_t arcs_of(std::size_t size) { return (size + kArc - 1) / kArc; }
+
+}  // namespace
+
 void Rims::make(const Boundary& boundary, ProgressMeter& progress) {
   WorkCheck check(progress, 1 << 16);
-  for_each_polygon(boundary, [&](BoundaryPolygon polygon) {
-    check.add(static_cast<std::int64_t>(polygon.corners.size()));
-    add(std::move(polygon.corners), polygon.weight);
+  const auto for_each_checked = [&](const auto& use) {
+    for_each_polygon(boundary, [&](BoundaryPolygon polygon) {
+      check.add(static_cast<std::int64_t>(polygon.corners.size()));
+      use(std::move(polygon));
+    });
+  };
+  std::size_t rims = 0, corners = 0;
+  for_each_checked([&](const BoundaryPolygon& polygon) {
+    std::size_t size = polygon.corners.size();
+    for (std::size_t most = kUncut; size > most; most = kMaxCorners) {
+      rims += arcs_of(size);
+      corners += size + 2 * arcs_of(size);
+      size = 2 * arcs_of(size);
+    }
+    ++rims;
+    corners += size;
   });
+  corners_.reserve(corners);
+  begin_.reserve(rims + 1);
+  apexes_.reserve(rims);
+  weights_.reserve(rims);
+  for_each_checked([&](BoundaryPolygon polygon) { add(std::move(polygon.corners), polygon.weight); });
 }
 
 void Rims::add(std::vector<Vec3> polygon, std::int32_t weight) {
-  constexpr std::size_t kArc = 8, kUncut = 32;  // edges
   for (std::size_t most = kUncut; polygon.size() > most; most = kMaxCorners) {
-    const std::size_t size = polygon.size(), arcs = (size + kArc - 1) / kArc;
+    const std::size_t size = polygon.size(), arcs = arcs_of(size);
     std::vector<Vec3> chords, arc;
     for (std::size_t n = 0; n < arcs; ++n) {
       arc.clear();
@@ -72,7 +98,14 @@ void Rims::add_small(std::span<const Vec3> polygon, std::int32_t weight) {
 }
 
 Mesh caps_of(const Rims& rims) {
+  std::size_t vertices = 0, triangles = 0;
+  for (std::size_t n = 0; n < rims.size(); ++n) {
+    vertices += rims[n].corners.size() + 1;
+    triangles += rims[n].corners.size() * static_cast<std::size_t>(rims[n].weight);
+  }
   Mesh mesh;
+  mesh.vertices.reserve(vertices);
+  mesh.triangles.reserve(triangles);
   for (std::size_t n = 0; n < rims.size(); ++n) {
     const Rim rim = rims[n];
     const auto apex = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -197,15 +197,34 @@ class RowOfTiles {
 
 }  // namespace
 
+namespace {
+constexpr std::int64_t kCapCrossingBytes = 1 << 18;  // a choice
+}
+
 OpenWinding::OpenWinding(const OrientedMesh& mesh, std::shared_ptr<const Caps> caps, const Grid& grid, WindingRule rule,
-                         ProgressMeter& progress)
+                         ProgressMeter& progress, std::int64_t bytes)
     : grid_(grid),
       rule_(rule),
       progress_(progress),
       caps_(std::move(caps)),
       open_tiles_(mesh, caps_->rims, grid, progress),
-      mesh_crossings_(mesh, grid, progress),
-      cap_crossings_({caps_->mesh}, grid, progress) {}
+      mesh_crossings_(mesh, grid, progress, bytes),
+      cap_crossings_({caps_->mesh}, grid, progress, bytes == kAllCrossings ? bytes : kCapCrossingBytes) {
+  if (bytes == kAllCrossings) load(0);
+}
+
+// Polygons of many corners are cut up: an edge becomes at most 5/3 corners and triangles of rims (Rims), and a rim has
+// three corners or more.
+std::int64_t OpenWinding::bytes(std::int64_t boundary, const Size3& size, int threads) {
+  const std::int64_t corners = 5 * boundary / 3, rims = boundary / 3 + 1;
+  const std::int64_t polygons = corners * sizeof(Vec3) + rims * (sizeof(Vec3) + 12),
+                     tree = 2 * rims * sizeof(RimTree::Node), while_built = rims * (sizeof(Moments) + 4),
+                     quick = corners * (9 * sizeof(float) + 8) + 2 * rims * 16 + 9 * 64,
+                     mesh = (corners + rims) * sizeof(Vec3) + corners * sizeof(Triangle);
+  const std::int64_t crossings = std::max(kCapCrossingBytes, RowCrossings::least_bytes(corners, threads)) +
+                                 RowCrossings::other_bytes(corners, Grid{size, {}, {1, 1, 1}}, threads);
+  return polygons + tree + std::max(while_built, quick + mesh + tile_count(size) + crossings);
+}
 
 void OpenWinding::fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const {
   const OpenMesh mesh{grid_, rule_, caps_->rims, caps_->tree, caps_->quick};

@@ -2,8 +2,10 @@
 // The signs in an open mesh: its generalised winding number decides (docs/open_winding.md).
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -55,16 +57,23 @@ struct Caps {
 /// itself: within 1e-9 of a threshold, or on the boundary, a rounded w decides.
 class OpenWinding final : public SampleSigns {
  public:
+  static constexpr std::int64_t kAllCrossings = std::numeric_limits<std::int64_t>::max();
+
   /// Requires the caps of the mesh's boundary, and at least those triangles that rows of the grid may cross. Mesh and
   /// progress must stay where they are. Runs on the threads of the calling TBB arena. Throws Error{interrupted}, and so
   /// does fill().
+  /// `bytes` limits the mesh's crossings held at a time (RowCrossings); those of the caps have a limit of their own.
   OpenWinding(const OrientedMesh& mesh, std::shared_ptr<const Caps> caps, const Grid& grid, WindingRule rule,
-              ProgressMeter& progress);
+              ProgressMeter& progress, std::int64_t bytes = kAllCrossings);
 
+  std::int64_t load(std::int64_t first) override {
+    return std::min(mesh_crossings_.load(first), cap_crossings_.load(first));
+  }
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override;
 
   /// w at a sample, within 1e-9 unless the sample is on the boundary within rounding. Takes time linear in the size of
   /// the boundary.
+  /// Requires that all crossings are held.
   double winding_number(std::int64_t i, std::int64_t j, std::int64_t k) const;
   /// w at a sample within `error`, which is faster. Counts visits of rims (kLooks). Throws Error{interrupted}.
   double winding_number(std::int64_t i, std::int64_t j, std::int64_t k, double error, WorkCheck& check) const;
@@ -72,6 +81,10 @@ class OpenWinding final : public SampleSigns {
   /// The number of samples in all tiles filled so far with w within 0.05 (kDoubt) of a threshold, by values of w that
   /// are off by at most 0.025 (kDoubtError). The same for any number of threads.
   std::int64_t doubtful() const { return doubtful_.load(std::memory_order_relaxed); }
+
+  /// The most memory that is held beside the mesh's crossings, with the caps of so many half-edges of a boundary, in a
+  /// grid of that size.
+  static std::int64_t bytes(std::int64_t boundary, const Size3& size, int threads);
 
  private:
   Grid grid_;
