@@ -5,38 +5,17 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "core/tile_count.h"
+#include "sign/cpu/kernels.h"
 
 namespace standoff {
 
 // Signs.
 
 namespace {
-
-using FourUints = std::uint32_t __attribute__((vector_size(16)));
-
-// Negates the values of the samples inside, among eight. Zero stays zero: a sample on the surface has no side.
-void negate(std::uint8_t inside, float* values) {
-  constexpr std::array<FourUints, 2> bit{FourUints{1, 2, 4, 8}, FourUints{16, 32, 64, 128}};
-  const FourUints all = FourUints{} + inside;
-  for (std::size_t half = 0; half < 2; ++half) {
-    FourUints four;
-    std::memcpy(&four, values + 4 * half, sizeof four);
-    const FourUints changes = ((all & bit[half]) != 0) & ((four << 1) != 0);
-    four ^= changes << 31;
-    std::memcpy(values + 4 * half, &four, sizeof four);
-  }
-}
-
-void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kTileSamples> values) {
-  for (std::size_t row = 0; row < inside.size(); ++row)
-    if (inside[row] != 0) negate(inside[row], values.data() + kTileSide * row);
-}
 
 // Gives the tiles of a row of tiles their signs.
 class SignedTiles {
@@ -52,15 +31,18 @@ class SignedTiles {
     const std::span<float, kTileSamples> values = field_.store_tile(tx, ty_, tz_);
     std::ranges::fill(values, static_cast<float>(field_.thickness()));
     if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
-    negate_inside(rows_.tile(tx + shift_), values);
+    negate_inside(tx, values.data());
   }
   // Negates the tile that still waits.
   void finish() {
-    if (waiting_) negate_inside(rows_.tile(tx_ + shift_), std::span<float, kTileSamples>(waiting_, kTileSamples));
+    if (waiting_) negate_inside(tx_, waiting_);
     waiting_ = nullptr;
   }
 
  private:
+  void negate_inside(std::int64_t tx, float* values) const {
+    kernels_.negate(rows_.tile(tx + shift_).data(), kTileSamples, values);
+  }
   // Fetches a tile while the one before is negated, because tiles are far from each other in memory.
   void take(std::int64_t tx) {
     float* const values = field_.edit_tile(tx, ty_, tz_).data();
@@ -73,6 +55,7 @@ class SignedTiles {
   const InsideRows& rows_;
   std::int64_t shift_, ty_, tz_;
   DistanceField& field_;
+  const cpu::SignKernels& kernels_ = cpu::sign_kernels_for(Simd::automatic);
   float* waiting_ = nullptr;
   std::int64_t tx_ = 0;
 };
@@ -93,27 +76,21 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
+  const cpu::SignKernels& kernels = cpu::sign_kernels_for(Simd::automatic);
+  PerThread<std::vector<std::uint8_t>> scratch(
+      [&] { return std::vector<std::uint8_t>(static_cast<std::size_t>(tiles_along(grid.size.x))); });
   for_each_row_of_tiles(signs, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
+    const std::int64_t begin = rows.first_tile(), end = rows.end_of_tiles();
+    if (begin >= end) return;
+    std::vector<std::uint8_t>& inside = scratch.local();
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
-      const auto first =
-          static_cast<std::size_t>(grid.index(0, kTileSide * ty + row % kTileSide, kTileSide * tz + row / kTileSide));
-      for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) {
-        const std::uint8_t inside = rows.tile(tx)[static_cast<std::size_t>(row)];
-        if (inside == 0) continue;
-        // The last tile may be cut.
-        const auto here =
-            values.subspan(first + static_cast<std::size_t>(kTileSide * tx),
-                           static_cast<std::size_t>(std::min<std::int64_t>(kTileSide, grid.size.x - kTileSide * tx)));
-        std::array<float, kTileSide> eight{};
-        if (here.size() == kTileSide) {
-          negate(inside, here.data());
-        } else {
-          std::ranges::copy(here, eight.begin());
-          negate(inside, eight.data());
-          std::copy_n(eight.begin(), here.size(), here.begin());
-        }
-      }
+      for (std::int64_t tx = begin; tx < end; ++tx)
+        inside[static_cast<std::size_t>(tx - begin)] = rows.tile(tx)[static_cast<std::size_t>(row)];
+      // The last tile may be cut.
+      kernels.negate(inside.data(), std::min(kTileSide * end, grid.size.x) - kTileSide * begin,
+                     values.data() + grid.index(kTileSide * begin, kTileSide * ty + row % kTileSide,
+                                                kTileSide * tz + row / kTileSide));
     }
   });
 }

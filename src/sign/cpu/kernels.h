@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops of the sign, compiled once per instruction set (kernels_*.cpp) and chosen at run time: which rows of
-// samples cross a triangle, in single precision, and sums of solid angles of many triangles, in float.
+// samples cross a triangle, in single precision; sums of solid angles of many triangles, in float; and negation.
 #pragma once
 
 #include <cstdint>
@@ -85,6 +85,9 @@ struct SignKernels {
   /// floats). Those that have a corner nearer than `least_length`, and some others, are left out (AngleChunk).
   void (*add_solid_angles)(const AngleTriangles&, std::int64_t first, int count, const float* p, float least_length,
                            AngleSums&, AngleChunk&);
+  /// Negates the values whose bit is set; a byte has the bits of eight values, the first one in its lowest bit. Zero
+  /// stays zero: a sample on the surface has no side.
+  void (*negate)(const std::uint8_t* inside, std::int64_t count, float* values);
 
   static const SignKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };

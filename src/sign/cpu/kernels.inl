@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels of the sign for one instruction set, and their table: crossings of rows, and sums of solid angles.
+// The kernels of the sign for one instruction set, and their table: crossings of rows, sums of solid angles, and
+// negation.
 #pragma once
 
 #include "sign/cpu/kernels.h"
@@ -180,7 +181,26 @@ void add_solid_angles(const AngleTriangles& triangles, std::int64_t first, int c
 
 }  // namespace
 
-constexpr SignKernels kTable{.cross_rows = cross_rows, .add_solid_angles = add_solid_angles};
+// The kernel that gives values their signs.
+
+namespace {
+
+STANDOFF_INLINE void negate_sixteen(std::uint32_t inside, float* values) {
+  const WideFloat v = WideFloat::load(values);
+  select(mask_from_bits(inside) & ~equal(v, WideFloat(0.0f)), -v, v).store(values);
+}
+
+void negate(const std::uint8_t* inside, std::int64_t count, float* values) {
+  std::int64_t n = 0;
+  for (; n + WideFloat::kLanes <= count; n += WideFloat::kLanes)
+    negate_sixteen(inside[n / 8] | static_cast<std::uint32_t>(inside[n / 8 + 1]) << 8, values + n);
+  for (; n < count; ++n)
+    if ((inside[n / 8] >> n % 8 & 1) != 0 && values[n] != 0) values[n] = -values[n];
+}
+
+}  // namespace
+
+constexpr SignKernels kTable{.cross_rows = cross_rows, .add_solid_angles = add_solid_angles, .negate = negate};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
 
