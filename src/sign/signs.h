@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -68,7 +69,7 @@ class InsideRows {
   explicit InsideRows(const Grid& grid) : InsideRows(grid, grid) {}
   /// Requires a window of whole tiles.
   InsideRows(const Grid& grid, const Grid& window);
-  /// The memory that an object takes.
+  /// The memory that an object takes, and fill_between() (rows/row_crossings.h).
   static std::int64_t bytes(const Grid& grid);
 
   /// Begins with the tiles (., ty, tz): all their samples are outside.
@@ -78,17 +79,20 @@ class InsideRows {
   std::int64_t tiles_end() const { return (size_.x + kSide - 1) / kSide; }
   /// Marks samples begin to end - 1 of a row that is in the grid, those that are held.
   void set(int row, std::int64_t begin, std::int64_t end);
-  /// Exchanges inside and outside from a sample of a row on, if `really`. finish_toggles() makes it take effect.
-  void toggle(int row, std::int64_t from, bool really) {
+  /// Changes the winding number of a row from a sample on; it must stay within [-128, 127] whatever the order of steps.
+  /// Requires begin_steps(). finish_steps() marks the samples inside, or drop_steps() forgets the steps.
+  void add_step(int row, std::int64_t from, int step) {
     from = std::max(from, kSide * begin_);
     if (from >= size_.x) return;
-    const std::int64_t tx = from / kSide;
-    first_tile_ = std::min(first_tile_, tx);
-    bits_[place(tx) + static_cast<std::size_t>(row)] ^=
-        static_cast<std::uint8_t>((0xff << from % kSide) & -int{really});
+    from -= kSide * begin_;
+    is_stepped_[static_cast<std::size_t>(from / kSide)] = 1;
+    std::int8_t& sum = steps_[static_cast<std::size_t>(kRows * from + row)];
+    sum = static_cast<std::int8_t>(sum + step);
   }
-  /// Requires that the toggled samples were outside, and that nothing else was set.
-  void finish_toggles();
+  void begin_steps();
+  /// Requires that all samples are outside.
+  void finish_steps(WindingRule rule);
+  void drop_steps();
   /// Exchanges inside and outside within the grid.
   void invert();
 
@@ -122,6 +126,7 @@ class InsideRows {
 
  private:
   std::size_t place(std::int64_t tx) const { return static_cast<std::size_t>(kRows * (tx - begin_)); }
+  std::array<std::uint64_t, kRows / 8> words(std::int64_t tx) const;
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
 
   Size3 size_;
@@ -129,6 +134,8 @@ class InsideRows {
   std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
   std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
   std::vector<std::uint8_t> bits_;  // by tile, then by row
+  std::vector<std::int8_t> steps_;  // by sample, then by row
+  std::vector<std::uint8_t> is_stepped_;  // by tile
 };
 
 /// A method that decides a sign: for each row of tiles it says which samples are inside.

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "standoff/execution.h"
+#include "standoff/sign.h"
 
 namespace standoff::cpu {
 
@@ -116,6 +117,11 @@ struct SignKernels {
   /// floats). Those that have a corner nearer than `least_length`, and some others, are left out (AngleChunk).
   void (*add_solid_angles)(const AngleTriangles&, std::int64_t first, int count, const float* p, float least_length,
                            AngleSums&, AngleChunk&);
+  /// Marks the samples inside of 64 rows of tiles side by side, as in InsideRows, whose bits are 0. `steps` has the
+  /// changes of the winding number, by sample, then by row, which are 0 in tiles that are not stepped; resets both.
+  /// Returns the number of tiles up to the last one that has samples inside.
+  std::int64_t (*mark_inside)(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
+                              std::uint8_t* inside);
   /// Negates the values whose bit is set; a byte has the bits of eight values, the first one in its lowest bit. Zero
   /// stays zero: a sample on the surface has no side.
   void (*negate)(const std::uint8_t* inside, std::int64_t count, float* values);

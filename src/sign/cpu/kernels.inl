@@ -295,6 +295,75 @@ void add_solid_angles(const AngleTriangles& triangles, std::int64_t first, int c
 
 }  // namespace
 
+// The kernel that adds up winding numbers along rows, for 64 rows at once.
+
+namespace {
+
+struct WideWinding {
+  using Bytes = std::int8_t __attribute__((vector_size(64)));
+  Bytes v{};
+
+  STANDOFF_INLINE void add(const std::int8_t* steps) {
+    Bytes more;
+    __builtin_memcpy(&more, steps, sizeof more);
+    v += more;
+  }
+  STANDOFF_INLINE bool any() const {
+    std::uint64_t words[8], all = 0;
+    __builtin_memcpy(words, &v, sizeof words);
+    for (const std::uint64_t word : words) all |= word;
+    return all != 0;
+  }
+};
+
+// Calls mark(winding, bits), where bits of the rows inside are to be set.
+template <class Mark>
+STANDOFF_INLINE std::int64_t mark_by(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles,
+                                     std::uint8_t* inside, const Mark& mark) {
+  constexpr int kSide = 8, kRows = 64;
+  WideWinding winding;
+  bool any = false;
+  std::int64_t end = 0;
+  for (std::int64_t tile = 0; tile < tiles; ++tile) {
+    if (!is_stepped[tile] && !any) continue;
+    end = tile + 1;
+    WideWinding::Bytes marked{};
+    if (is_stepped[tile]) {
+      std::int8_t* const here = steps + kRows * kSide * tile;
+      for (int sample = 0; sample < kSide; ++sample) {
+        winding.add(here + kRows * sample);
+        mark(winding.v, static_cast<std::int8_t>(1 << sample), marked);
+      }
+      __builtin_memset(here, 0, kRows * kSide);
+      is_stepped[tile] = 0;
+      any = winding.any();
+    } else {
+      mark(winding.v, std::int8_t{-1}, marked);
+    }
+    __builtin_memcpy(inside + kRows * tile, &marked, sizeof marked);
+  }
+  return end;
+}
+
+std::int64_t mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
+                         std::uint8_t* inside) {
+  using Bytes = WideWinding::Bytes;
+  const auto by = [&](const auto& mark) __attribute__((always_inline)) {
+    return mark_by(steps, is_stepped, tiles, inside, mark);
+  };
+  switch (rule) {
+    case WindingRule::positive:
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= (w > 0) & bits; });
+    case WindingRule::nonzero:
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= (w != 0) & bits; });
+    case WindingRule::odd:
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= -(w & 1) & bits; });
+  }
+  return 0;
+}
+
+}  // namespace
+
 // The kernel that gives values their signs.
 
 namespace {
@@ -314,7 +383,7 @@ void negate(const std::uint8_t* inside, std::int64_t count, float* values) {
 
 }  // namespace
 
-constexpr SignKernels kTable{.find_rows = find_rows, .cross_rows = cross_rows, .add_solid_angles = add_solid_angles, .negate = negate};
+constexpr SignKernels kTable{.find_rows = find_rows, .cross_rows = cross_rows, .add_solid_angles = add_solid_angles, .mark_inside = mark_inside, .negate = negate};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
 
