@@ -17,48 +17,18 @@ namespace standoff {
 
 namespace {
 
-// Gives the tiles of a row of tiles their signs.
-class SignedTiles {
- public:
-  // The field's tile (tx, ty, tz) is tile tx + shift of the rows.
-  SignedTiles(const InsideRows& rows, std::int64_t shift, std::int64_t ty, std::int64_t tz, DistanceField& field)
-      : rows_(rows), shift_(shift), ty_(ty), tz_(tz), field_(field) {}
-
-  void add(std::int64_t tx) {
-    if (rows_.is_empty(tx + shift_)) return;
-    if (field_.tile(tx, ty_, tz_)) return take(tx);
-    if (rows_.is_full(tx + shift_)) return field_.mark_inside(tx, ty_, tz_);
-    const std::span<float, kTileSamples> values = field_.store_tile(tx, ty_, tz_);
-    std::ranges::fill(values, static_cast<float>(field_.thickness()));
-    if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
-    negate_inside(tx, values.data());
+// Gives a tile the signs of tile `at_rows` of the rows.
+void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, DistanceField& field) {
+  if (rows.is_empty(at_rows)) return;
+  const bool is_stored = field.tile(at.x, at.y, at.z).has_value();
+  if (!is_stored && rows.is_full(at_rows)) return field.mark_inside(at.x, at.y, at.z);
+  const auto values = is_stored ? field.edit_tile(at.x, at.y, at.z) : field.store_tile(at.x, at.y, at.z);
+  if (!is_stored) {
+    std::ranges::fill(values, static_cast<float>(field.thickness()));
+    if (field.has_nearest()) std::ranges::fill(field.store_nearest(at.x, at.y, at.z), kNoTriangle);
   }
-  // Negates the tile that still waits.
-  void finish() {
-    if (waiting_) negate_inside(tx_, waiting_);
-    waiting_ = nullptr;
-  }
-
- private:
-  void negate_inside(std::int64_t tx, float* values) const {
-    kernels_.negate(rows_.tile(tx + shift_).data(), kTileSamples, values);
-  }
-  // Fetches a tile while the one before is negated, because tiles are far from each other in memory.
-  void take(std::int64_t tx) {
-    float* const values = field_.edit_tile(tx, ty_, tz_).data();
-    for (int n = 0; n < kTileSamples; n += 16) __builtin_prefetch(values + n, 1);
-    finish();
-    waiting_ = values;
-    tx_ = tx;
-  }
-
-  const InsideRows& rows_;
-  std::int64_t shift_, ty_, tz_;
-  DistanceField& field_;
-  const cpu::SignKernels& kernels_ = cpu::sign_kernels_for(Simd::automatic);
-  float* waiting_ = nullptr;
-  std::int64_t tx_ = 0;
-};
+  cpu::sign_kernels_for(Simd::automatic).negate(rows.tile(at_rows).data(), kTileSamples, values.data());
+}
 
 }  // namespace
 
@@ -66,13 +36,11 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
   const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
-  const auto sign_row = [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-    SignedTiles tiles(inside, shift_x, ty - shift_y, tz - shift_z, field);
+  for_each_row_of_tiles(signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
     const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
-    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx) tiles.add(tx);
-    tiles.finish();
-  };
-  for_each_row_of_tiles(signs, invert, grid, window, progress, sign_row);
+    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
+      sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, field);
+  });
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
