@@ -57,14 +57,13 @@ void InsideRows::begin_steps() {
 }
 
 void InsideRows::finish_steps(WindingRule rule) {
-  const std::int64_t end =
-      begin_ + cpu::sign_kernels_for(Simd::automatic)
-                   .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
-  first_tile_ = begin_;
-  end_of_tiles_ = end;
+  const auto [first, end] = cpu::sign_kernels_for(Simd::automatic)
+                                .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
+  first_tile_ = begin_ + first;
+  end_of_tiles_ = begin_ + end;
   // Put all beyond the grid outside.
-  if (const std::int64_t last = samples_along_x(tiles_end() - 1); last < kSide && end == tiles_end())
-    for (std::uint8_t& byte : tile(end - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
+  if (const std::int64_t last = samples_along_x(tiles_end() - 1); last < kSide && end_of_tiles_ == tiles_end())
+    for (std::uint8_t& byte : tile(tiles_end() - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
 }
 
 void InsideRows::drop_steps() {

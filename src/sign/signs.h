@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <span>
 #include <vector>
@@ -79,20 +80,11 @@ class InsideRows {
   std::int64_t tiles_end() const { return (size_.x + kSide - 1) / kSide; }
   /// Marks samples begin to end - 1 of a row that is in the grid, those that are held.
   void set(int row, std::int64_t begin, std::int64_t end);
-  /// Changes the winding number of a row from a sample on; it must stay within [-128, 127] whatever the order of steps.
-  /// Requires begin_steps(). finish_steps() marks the samples inside, or drop_steps() forgets the steps.
-  void add_step(int row, std::int64_t from, int step) {
-    from = std::max(from, kSide * begin_);
-    if (from >= size_.x) return;
-    from -= kSide * begin_;
-    is_stepped_[static_cast<std::size_t>(from / kSide)] = 1;
-    std::int8_t& sum = steps_[static_cast<std::size_t>(kRows * from + row)];
-    sum = static_cast<std::int8_t>(sum + step);
-  }
-  void begin_steps();
-  /// Requires that all samples are outside.
-  void finish_steps(WindingRule rule);
-  void drop_steps();
+  /// Marks the samples inside by the crossings of their rows, in any order. A crossing has a row(), and a step() by
+  /// which the winding number changes from a sample, past(), on. Requires that all samples are outside. Returns false,
+  /// and does nothing, where the steps of a row may add up to more than a byte holds.
+  template <class Crossing>
+  bool mark_between(std::span<const Crossing> crossings, WindingRule rule);
   /// Exchanges inside and outside within the grid.
   void invert();
 
@@ -125,6 +117,9 @@ class InsideRows {
   const Size3& size() const { return size_; }
 
  private:
+  void begin_steps();
+  void drop_steps();
+  void finish_steps(WindingRule rule);
   std::size_t place(std::int64_t tx) const { return static_cast<std::size_t>(kRows * (tx - begin_)); }
   std::array<std::uint64_t, kRows / 8> words(std::int64_t tx) const;
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
@@ -137,6 +132,32 @@ class InsideRows {
   std::vector<std::int8_t> steps_;  // by sample, then by row
   std::vector<std::uint8_t> is_stepped_;  // by tile
 };
+
+template <class Crossing>
+bool InsideRows::mark_between(std::span<const Crossing> crossings, WindingRule rule) {
+  if (crossings.empty()) return true;
+  begin_steps();
+  std::array<std::int32_t, kRows> most{};  // bounds the winding numbers of each row
+  // Bytes may be anything to a compiler, also the members: copy these.
+  std::int8_t* const steps = steps_.data();
+  std::uint8_t* const is_stepped = is_stepped_.data();
+  const std::int64_t begin = kSide * begin_, end = size_.x;
+  for (const Crossing& crossing : crossings) {
+    const auto row = static_cast<std::size_t>(crossing.row());
+    const std::int64_t from = std::max(crossing.past(), begin);
+    if (from >= end) continue;
+    const auto n = static_cast<std::size_t>(from - begin);
+    is_stepped[n / kSide] = 1;
+    steps[kRows * n + row] = static_cast<std::int8_t>(steps[kRows * n + row] + crossing.step());
+    most[row] += std::abs(crossing.step());
+  }
+  if (std::ranges::max(most) > std::numeric_limits<std::int8_t>::max()) {
+    drop_steps();
+    return false;
+  }
+  finish_steps(rule);
+  return true;
+}
 
 /// A method that decides a sign: for each row of tiles it says which samples are inside.
 class SampleSigns {

@@ -108,6 +108,11 @@ constexpr double angle_error(double coordinates, double least_length, double lea
   return 0x1p-24 * (1.1 * (32 * coordinates / least_length + 200) / least_sq_root + kAngleProduct);
 }
 
+/// From the first tile of a row of tiles to before the end.
+struct TileRange {
+  std::int64_t first, end;
+};
+
 struct SignKernels {
   /// Finds the rows that the first `count` triangles may cross: at most one too many at each end, along y and z.
   void (*find_rows)(const RowCorners&, int count, const RowSpace&, RowTriangles&);
@@ -119,8 +124,8 @@ struct SignKernels {
                            AngleSums&, AngleChunk&);
   /// Marks the samples inside of 64 rows of tiles side by side, as in InsideRows, whose bits are 0. `steps` has the
   /// changes of the winding number, by sample, then by row, which are 0 in tiles that are not stepped; resets both.
-  /// Returns the number of tiles up to the last one that has samples inside.
-  std::int64_t (*mark_inside)(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
+  /// Returns the range of the tiles that have samples inside.
+  TileRange (*mark_inside)(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
                               std::uint8_t* inside);
   /// Negates the values whose bit is set; a byte has the bits of eight values, the first one in its lowest bit. Zero
   /// stays zero: a sample on the surface has no side.

@@ -318,15 +318,16 @@ struct WideWinding {
 
 // Calls mark(winding, bits), where bits of the rows inside are to be set.
 template <class Mark>
-STANDOFF_INLINE std::int64_t mark_by(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles,
-                                     std::uint8_t* inside, const Mark& mark) {
+STANDOFF_INLINE TileRange mark_by(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles,
+                                  std::uint8_t* inside, const Mark& mark) {
   constexpr int kSide = 8, kRows = 64;
   WideWinding winding;
   bool any = false;
-  std::int64_t end = 0;
+  TileRange marks{tiles, 0};
   for (std::int64_t tile = 0; tile < tiles; ++tile) {
     if (!is_stepped[tile] && !any) continue;
-    end = tile + 1;
+    if (marks.end == 0) marks.first = tile;
+    marks.end = tile + 1;
     WideWinding::Bytes marked{};
     if (is_stepped[tile]) {
       std::int8_t* const here = steps + kRows * kSide * tile;
@@ -342,10 +343,10 @@ STANDOFF_INLINE std::int64_t mark_by(std::int8_t* steps, std::uint8_t* is_steppe
     }
     __builtin_memcpy(inside + kRows * tile, &marked, sizeof marked);
   }
-  return end;
+  return marks;
 }
 
-std::int64_t mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
+TileRange mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
                          std::uint8_t* inside) {
   using Bytes = WideWinding::Bytes;
   const auto by = [&](const auto& mark) __attribute__((always_inline)) {
@@ -359,7 +360,7 @@ std::int64_t mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int6
     case WindingRule::odd:
       return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= -(w & 1) & bits; });
   }
-  return 0;
+  return {};
 }
 
 }  // namespace

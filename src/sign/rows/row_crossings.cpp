@@ -211,38 +211,31 @@ namespace {
 
 // For one row, whose winding numbers may need more than a byte.
 void fill_row(std::span<const RowCrossing> crossings, int row, WindingRule rule, InsideRows& rows) {
-  const std::int64_t samples = rows.size().x;
-  std::vector<std::int32_t> steps(static_cast<std::size_t>(samples));
+  const std::int64_t first = kTileSide * rows.tiles_begin(), end = rows.size().x;
+  std::vector<std::int32_t> steps(static_cast<std::size_t>(end - first));
   for (const RowCrossing& crossing : crossings)
-    if (crossing.row() == row && crossing.past() < samples)
-      steps[static_cast<std::size_t>(crossing.past())] += crossing.step();
+    if (crossing.row() == row && crossing.past() < end)
+      steps[static_cast<std::size_t>(std::max(crossing.past(), first) - first)] += crossing.step();
   std::int32_t winding = 0;
-  std::int64_t begin = 0;  // of the samples with this winding number
-  for (std::int64_t i = 0; i < samples; ++i) {
-    const std::int32_t step = steps[static_cast<std::size_t>(i)];
+  std::int64_t begin = first;  // of the samples with this winding number
+  for (std::int64_t i = first; i < end; ++i) {
+    const std::int32_t step = steps[static_cast<std::size_t>(i - first)];
     if (step == 0) continue;
     if (is_inside(winding, rule)) rows.set(row, begin, i);
     winding += step;
     begin = i;
   }
-  if (is_inside(winding, rule)) rows.set(row, begin, samples);
+  if (is_inside(winding, rule)) rows.set(row, begin, end);
 }
 
 }  // namespace
 
 void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
-  if (crossings.empty()) return;
-  std::array<std::int32_t, kTileRows> most{};  // bounds the winding numbers of each row
-  rows.begin_steps();
-  for (const RowCrossing& crossing : crossings) {
-    const int row = crossing.row();
-    rows.add_step(row, crossing.past(), crossing.step());
-    most[static_cast<std::size_t>(row)] += std::abs(crossing.step());
-  }
-  if (*std::ranges::max_element(most) <= std::numeric_limits<std::int8_t>::max()) return rows.finish_steps(rule);
-  rows.drop_steps();
+  if (rows.mark_between(crossings, rule)) return;
+  std::array<bool, kTileRows> is_crossed{};
+  for (const RowCrossing& crossing : crossings) is_crossed[static_cast<std::size_t>(crossing.row())] = true;
   for (int row = 0; row < kTileRows; ++row)
-    if (most[static_cast<std::size_t>(row)] > 0) fill_row(crossings, row, rule, rows);
+    if (is_crossed[static_cast<std::size_t>(row)]) fill_row(crossings, row, rule, rows);
 }
 
 }  // namespace standoff
