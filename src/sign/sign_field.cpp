@@ -5,12 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "core/tile_count.h"
+#include "sign/cpu/kernels.h"
 
 namespace standoff {
 
@@ -18,64 +17,18 @@ namespace standoff {
 
 namespace {
 
-using FourUints = std::uint32_t __attribute__((vector_size(16)));
-
-// Negates the values of the samples inside, among eight. Zero stays zero: a sample on the surface has no side.
-void negate(std::uint8_t inside, float* values) {
-  constexpr std::array<FourUints, 2> bit{FourUints{1, 2, 4, 8}, FourUints{16, 32, 64, 128}};
-  const FourUints all = FourUints{} + inside;
-  for (std::size_t half = 0; half < 2; ++half) {
-    FourUints four;
-    std::memcpy(&four, values + 4 * half, sizeof four);
-    const FourUints changes = ((all & bit[half]) != 0) & ((four << 1) != 0);
-    four ^= changes << 31;
-    std::memcpy(values + 4 * half, &four, sizeof four);
+// Gives a tile the signs of tile `at_rows` of the rows.
+void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, DistanceField& field) {
+  if (rows.is_empty(at_rows)) return;
+  const bool is_stored = field.tile(at.x, at.y, at.z).has_value();
+  if (!is_stored && rows.is_full(at_rows)) return field.mark_inside(at.x, at.y, at.z);
+  const auto values = is_stored ? field.edit_tile(at.x, at.y, at.z) : field.store_tile(at.x, at.y, at.z);
+  if (!is_stored) {
+    std::ranges::fill(values, static_cast<float>(field.thickness()));
+    if (field.has_nearest()) std::ranges::fill(field.store_nearest(at.x, at.y, at.z), kNoTriangle);
   }
+  cpu::sign_kernels_for(Simd::automatic).negate(rows.tile(at_rows).data(), kTileSamples, values.data());
 }
-
-void negate_inside(std::span<const std::uint8_t, 64> inside, std::span<float, kTileSamples> values) {
-  for (std::size_t row = 0; row < inside.size(); ++row)
-    if (inside[row] != 0) negate(inside[row], values.data() + kTileSide * row);
-}
-
-// Gives the tiles of a row of tiles their signs.
-class SignedTiles {
- public:
-  // The field's tile (tx, ty, tz) is tile tx + shift of the rows.
-  SignedTiles(const InsideRows& rows, std::int64_t shift, std::int64_t ty, std::int64_t tz, DistanceField& field)
-      : rows_(rows), shift_(shift), ty_(ty), tz_(tz), field_(field) {}
-
-  void add(std::int64_t tx) {
-    if (rows_.is_empty(tx + shift_)) return;
-    if (field_.tile(tx, ty_, tz_)) return take(tx);
-    if (rows_.is_full(tx + shift_)) return field_.mark_inside(tx, ty_, tz_);
-    const std::span<float, kTileSamples> values = field_.store_tile(tx, ty_, tz_);
-    std::ranges::fill(values, static_cast<float>(field_.thickness()));
-    if (field_.has_nearest()) std::ranges::fill(field_.store_nearest(tx, ty_, tz_), kNoTriangle);
-    negate_inside(rows_.tile(tx + shift_), values);
-  }
-  // Negates the tile that still waits.
-  void finish() {
-    if (waiting_) negate_inside(rows_.tile(tx_ + shift_), std::span<float, kTileSamples>(waiting_, kTileSamples));
-    waiting_ = nullptr;
-  }
-
- private:
-  // Fetches a tile while the one before is negated, because tiles are far from each other in memory.
-  void take(std::int64_t tx) {
-    float* const values = field_.edit_tile(tx, ty_, tz_).data();
-    for (int n = 0; n < kTileSamples; n += 16) __builtin_prefetch(values + n, 1);
-    finish();
-    waiting_ = values;
-    tx_ = tx;
-  }
-
-  const InsideRows& rows_;
-  std::int64_t shift_, ty_, tz_;
-  DistanceField& field_;
-  float* waiting_ = nullptr;
-  std::int64_t tx_ = 0;
-};
 
 }  // namespace
 
@@ -83,37 +36,29 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
   const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
-  const auto sign_row = [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-    SignedTiles tiles(inside, shift_x, ty - shift_y, tz - shift_z, field);
+  for_each_row_of_tiles(signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
     const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
-    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx) tiles.add(tx);
-    tiles.finish();
-  };
-  for_each_row_of_tiles(signs, invert, grid, window, progress, sign_row);
+    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
+      sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, field);
+  });
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
+  const cpu::SignKernels& kernels = cpu::sign_kernels_for(Simd::automatic);
+  PerThread<std::vector<std::uint8_t>> scratch(
+      [&] { return std::vector<std::uint8_t>(static_cast<std::size_t>(tiles_along(grid.size.x))); });
   for_each_row_of_tiles(signs, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {
+    const std::int64_t begin = rows.first_tile(), end = rows.end_of_tiles();
+    if (begin >= end) return;
+    std::vector<std::uint8_t>& inside = scratch.local();
     for (int row = 0; row < InsideRows::kRows; ++row) {
       if (!rows.in_grid(row)) continue;
-      const auto first =
-          static_cast<std::size_t>(grid.index(0, kTileSide * ty + row % kTileSide, kTileSide * tz + row / kTileSide));
-      for (std::int64_t tx = rows.first_tile(); tx < rows.end_of_tiles(); ++tx) {
-        const std::uint8_t inside = rows.tile(tx)[static_cast<std::size_t>(row)];
-        if (inside == 0) continue;
-        // The last tile may be cut.
-        const auto here =
-            values.subspan(first + static_cast<std::size_t>(kTileSide * tx),
-                           static_cast<std::size_t>(std::min<std::int64_t>(kTileSide, grid.size.x - kTileSide * tx)));
-        std::array<float, kTileSide> eight{};
-        if (here.size() == kTileSide) {
-          negate(inside, here.data());
-        } else {
-          std::ranges::copy(here, eight.begin());
-          negate(inside, eight.data());
-          std::copy_n(eight.begin(), here.size(), here.begin());
-        }
-      }
+      for (std::int64_t tx = begin; tx < end; ++tx)
+        inside[static_cast<std::size_t>(tx - begin)] = rows.tile(tx)[static_cast<std::size_t>(row)];
+      // The last tile may be cut.
+      kernels.negate(inside.data(), std::min(kTileSide * end, grid.size.x) - kTileSide * begin,
+                     values.data() + grid.index(kTileSide * begin, kTileSide * ty + row % kTileSide,
+                                                kTileSide * tz + row / kTileSide));
     }
   });
 }

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/signs.h"
 
-#include <array>
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "core/tile_count.h"
+#include "sign/cpu/kernels.h"
 
 namespace standoff {
 
-std::int64_t InsideRows::bytes(const Grid& grid) { return kRows * tiles_along(grid.size.x); }
+std::int64_t InsideRows::bytes(const Grid& grid) {
+  constexpr std::int64_t kBits = kRows, kSteps = kRows * kSide + 1, kStepsOfRow = kSide * sizeof(std::int32_t);
+  return (kBits + kSteps + kStepsOfRow) * tiles_along(grid.size.x);
+}
 
 InsideRows::InsideRows(const Grid& grid, const Grid& window)
     : size_(grid.size),
       begin_((window.first.x - grid.first.x) / kSide),
-      bits_(static_cast<std::size_t>(bytes(window))) {
+      bits_(static_cast<std::size_t>(kRows * tiles_along(window.size.x))) {
   size_.x = window.first.x - grid.first.x + window.size.x;
 }
 
@@ -45,26 +50,25 @@ void InsideRows::set(int row, std::int64_t begin, std::int64_t end) {
   at(last) |= tail;
 }
 
-// Carries the last sample of each tile into the next tile of its row.
-void InsideRows::finish_toggles() {
-  using Rows = std::int8_t __attribute__((vector_size(16)));
-  const std::int64_t tiles = tiles_end();
-  std::array<Rows, kRows / sizeof(Rows)> before{};
-  for (std::int64_t tx = first_tile_; tx < tiles; ++tx) {
-    std::uint8_t* const bytes = bits_.data() + place(tx);
-    for (Rows& rows : before) {
-      std::uint8_t* const here = bytes + sizeof(Rows) * static_cast<std::size_t>(&rows - before.data());
-      Rows toggled;
-      std::memcpy(&toggled, here, sizeof toggled);
-      rows = toggled ^ (rows < 0);
-      std::memcpy(here, &rows, sizeof rows);
-    }
-  }
-  if (first_tile_ == tiles) return;
-  end_of_tiles_ = tiles;
+void InsideRows::begin_steps() {
+  if (!steps_.empty()) return;
+  steps_.resize(kSide * bits_.size());
+  is_stepped_.resize(bits_.size() / kRows);
+}
+
+void InsideRows::finish_steps(WindingRule rule) {
+  const auto [first, end] = cpu::sign_kernels_for(Simd::automatic)
+                                .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
+  first_tile_ = begin_ + first;
+  end_of_tiles_ = begin_ + end;
   // Put all beyond the grid outside.
-  if (const std::int64_t last = samples_along_x(tiles - 1); last < kSide)
-    for (std::uint8_t& byte : tile(tiles - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
+  if (const std::int64_t last = samples_along_x(tiles_end() - 1); last < kSide && end_of_tiles_ == tiles_end())
+    for (std::uint8_t& byte : tile(tiles_end() - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
+}
+
+void InsideRows::drop_steps() {
+  std::ranges::fill(steps_, std::int8_t{0});
+  std::ranges::fill(is_stepped_, std::uint8_t{0});
 }
 
 void InsideRows::invert() {
@@ -75,20 +79,26 @@ void InsideRows::invert() {
 }
 
 bool InsideRows::is_empty(std::int64_t tx) const {
-  unsigned any = 0;
-  for (const std::uint8_t byte : tile(tx)) any |= byte;
+  std::uint64_t any = 0;
+  for (const std::uint64_t eight : words(tx)) any |= eight;
   return any == 0;
 }
 
 bool InsideRows::is_full(std::int64_t tx) const {
-  unsigned missing = 0;
+  std::uint64_t missing = 0;
   if (rows_y_ == kSide && rows_z_ == kSide && samples_along_x(tx) == kSide) {
-    for (const std::uint8_t byte : tile(tx)) missing |= byte ^ 0xffu;
+    for (const std::uint64_t eight : words(tx)) missing |= ~eight;
   } else {
     for (int row = 0; row < kRows; ++row)
       missing |= tile(tx)[static_cast<std::size_t>(row)] ^ unsigned { full_byte(row, tx) };
   }
   return missing == 0;
+}
+
+std::array<std::uint64_t, InsideRows::kRows / 8> InsideRows::words(std::int64_t tx) const {
+  std::array<std::uint64_t, kRows / 8> words;
+  std::memcpy(words.data(), tile(tx).data(), sizeof words);
+  return words;
 }
 
 }  // namespace standoff

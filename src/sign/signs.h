@@ -4,8 +4,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <span>
 #include <vector>
@@ -68,7 +70,7 @@ class InsideRows {
   explicit InsideRows(const Grid& grid) : InsideRows(grid, grid) {}
   /// Requires a window of whole tiles.
   InsideRows(const Grid& grid, const Grid& window);
-  /// The memory that an object takes.
+  /// The memory that an object takes, and fill_between() (rows/row_crossings.h).
   static std::int64_t bytes(const Grid& grid);
 
   /// Begins with the tiles (., ty, tz): all their samples are outside.
@@ -78,17 +80,11 @@ class InsideRows {
   std::int64_t tiles_end() const { return (size_.x + kSide - 1) / kSide; }
   /// Marks samples begin to end - 1 of a row that is in the grid, those that are held.
   void set(int row, std::int64_t begin, std::int64_t end);
-  /// Exchanges inside and outside from a sample of a row on, if `really`. finish_toggles() makes it take effect.
-  void toggle(int row, std::int64_t from, bool really) {
-    from = std::max(from, kSide * begin_);
-    if (from >= size_.x) return;
-    const std::int64_t tx = from / kSide;
-    first_tile_ = std::min(first_tile_, tx);
-    bits_[place(tx) + static_cast<std::size_t>(row)] ^=
-        static_cast<std::uint8_t>((0xff << from % kSide) & -int{really});
-  }
-  /// Requires that the toggled samples were outside, and that nothing else was set.
-  void finish_toggles();
+  /// Marks the samples inside by the crossings of their rows, in any order. A crossing has a row(), and a step() by
+  /// which the winding number changes from a sample, past(), on. Requires that all samples are outside. Returns false,
+  /// and does nothing, where the steps of a row may add up to more than a byte holds.
+  template <class Crossing>
+  bool mark_between(std::span<const Crossing> crossings, WindingRule rule);
   /// Exchanges inside and outside within the grid.
   void invert();
 
@@ -121,7 +117,11 @@ class InsideRows {
   const Size3& size() const { return size_; }
 
  private:
+  void begin_steps();
+  void drop_steps();
+  void finish_steps(WindingRule rule);
   std::size_t place(std::int64_t tx) const { return static_cast<std::size_t>(kRows * (tx - begin_)); }
+  std::array<std::uint64_t, kRows / 8> words(std::int64_t tx) const;
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
 
   Size3 size_;
@@ -129,7 +129,35 @@ class InsideRows {
   std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
   std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
   std::vector<std::uint8_t> bits_;  // by tile, then by row
+  std::vector<std::int8_t> steps_;  // by sample, then by row
+  std::vector<std::uint8_t> is_stepped_;  // by tile
 };
+
+template <class Crossing>
+bool InsideRows::mark_between(std::span<const Crossing> crossings, WindingRule rule) {
+  if (crossings.empty()) return true;
+  begin_steps();
+  std::array<std::int32_t, kRows> most{};  // bounds the winding numbers of each row
+  // Bytes may be anything to a compiler, also the members: copy these.
+  std::int8_t* const steps = steps_.data();
+  std::uint8_t* const is_stepped = is_stepped_.data();
+  const std::int64_t begin = kSide * begin_, end = size_.x;
+  for (const Crossing& crossing : crossings) {
+    const auto row = static_cast<std::size_t>(crossing.row());
+    const std::int64_t from = std::max(crossing.past(), begin);
+    if (from >= end) continue;
+    const auto n = static_cast<std::size_t>(from - begin);
+    is_stepped[n / kSide] = 1;
+    steps[kRows * n + row] = static_cast<std::int8_t>(steps[kRows * n + row] + crossing.step());
+    most[row] += std::abs(crossing.step());
+  }
+  if (std::ranges::max(most) > std::numeric_limits<std::int8_t>::max()) {
+    drop_steps();
+    return false;
+  }
+  finish_steps(rule);
+  return true;
+}
 
 /// A method that decides a sign: for each row of tiles it says which samples are inside.
 class SampleSigns {

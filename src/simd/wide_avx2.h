@@ -168,12 +168,13 @@ STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) {
   return {half(bits & 0xff), half(bits >> 8)};
 }
 
-/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-STANDOFF_INLINE void store_packed(float* p, Mask m, WideFloat a) {
+/// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+STANDOFF_INLINE int store_packed(float* p, Mask m, WideFloat a) {
   float all[16];
   a.store(all);
   int n = 0;
   for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
+  return n;
 }
 
 // Eight doubles.

@@ -99,9 +99,10 @@ STANDOFF_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
 
 STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) { return {static_cast<__mmask16>(bits)}; }
 
-/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-STANDOFF_INLINE void store_packed(float* p, Mask m, WideFloat a) {
+/// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+STANDOFF_INLINE int store_packed(float* p, Mask m, WideFloat a) {
   _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m.bits, a.v));
+  return __builtin_popcount(m.bits);
 }
 
 // Eight doubles.

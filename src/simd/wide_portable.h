@@ -188,12 +188,13 @@ STANDOFF_INLINE int store_packed(std::uint32_t* p, const Mask& m, const WideUint
   return n;
 }
 
-/// Stores the lanes of `a` whose mask bit is set, packed. `p` must have room for sixteen.
-STANDOFF_INLINE void store_packed(float* p, const Mask& m, const WideFloat& a) {
+/// Stores the lanes of `a` whose mask bit is set, packed, and returns how many. `p` must have room for sixteen.
+STANDOFF_INLINE int store_packed(float* p, const Mask& m, const WideFloat& a) {
   float all[16];
   a.store(all);
   int n = 0;
   for (std::uint32_t bits = m.to_bits(); bits; bits &= bits - 1) p[n++] = all[__builtin_ctz(bits)];
+  return n;
 }
 
 /// Stores (v * scale - center) as four floats, the fourth zero. v has three doubles, center four.

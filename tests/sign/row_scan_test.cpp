@@ -148,6 +148,19 @@ TEST(RowScan, WindowsAndUses) {
     expect_exact({mesh, use}, kGrid, window, "window");
 }
 
+// So many samples that float has the number of each, and more.
+TEST(RowScan, LongRows) {
+  for (const std::int64_t samples : {(1 << 24) - 1, 1 << 24, 1 << 27}) {
+    const Grid grid{{samples, 9, 10}, {0, 0, 0}, {1, 0.5, 0.5}};
+    Mesh mesh = testing::random_soup(10, 300, 1, 3);
+    for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
+      Vec3& v = mesh.vertices[n];
+      v = Vec3{static_cast<double>(n / 3 % 3) * static_cast<double>(samples) / 2, 2, 2} + v;
+    }
+    expect_exact({mesh}, grid, all_of(grid), std::to_string(samples) + " samples");
+  }
+}
+
 // Floats with a stride: another way to read.
 TEST(RowScan, OtherLayouts) {
   const Mesh mesh = testing::random_soup(8, 200, 1.2, 0.4);

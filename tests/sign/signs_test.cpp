@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/progress.h"
 #include "sign/rows/row_crossings.h"
@@ -131,6 +133,55 @@ TEST(InsideRows, SheetsOfThousandsOfShells) {
       if (one.row() == row) deepest = std::max(deepest, std::abs(winding += one.step()));
   }
   EXPECT_EQ(deepest, 2939);  // at the last sample, x = -61.5: the shells from 62 on
+}
+
+// One solid many times: winding numbers of just a byte, of more, and those whose lowest byte is 0. Beside it, one.
+std::vector<Tetrahedron> copies_beside_one(int copies) {
+  const Tetrahedron solid{Vec3{-8, -8, -8}, Vec3{7, -8, -8}, Vec3{-8, 7, -8}, Vec3{-8, -8, 7}};
+  std::vector<Tetrahedron> all(static_cast<std::size_t>(copies), solid);
+  all.push_back({Vec3{2, 2, 2}, Vec3{9, 2, 2}, Vec3{2, 9, 2}, Vec3{2, 2, 9}});
+  return all;
+}
+
+TEST(InsideRows, WindingNumbersOfMoreThanAByte) {
+  const Grid grid{{19, 9, 8}, {-9, -8, -8}, {1, 2, 2}};
+  const auto odd = [](std::int32_t w) { return w % 2 != 0; };
+  for (const int copies : {1, 62, 63, 128, 256}) {
+    const auto solids = copies_beside_one(copies);
+    for (const auto& [rule, is_inside] :
+         {std::pair<WindingRule, bool (*)(std::int32_t)>{WindingRule::positive, positive},
+          {WindingRule::nonzero, [](std::int32_t w) { return w != 0; }},
+          {WindingRule::odd, odd}}) {
+      const Outcome one = compare(solids, grid, {.method = SignMethod::winding, .rule = rule}, is_inside);
+      EXPECT_EQ(one.wrong, 0) << copies << " copies";
+      EXPECT_GT(one.inside, 0) << copies << " copies";
+    }
+  }
+}
+
+TEST(InsideRows, AWindowIsAPartOfAll) {
+  const Grid grid{{35, 17, 16}, {-9, -8, -8}, {0.6, 1, 1}};
+  const Grid window = grid.window({16, 0, 0}, {16, 17, 16});
+  ProgressMeter progress;
+  for (const int copies : {1, 300}) {
+    const Mesh mesh = testing::mesh_of(copies_beside_one(copies));
+    IntegerWinding winding({mesh}, grid, WindingRule::positive, progress);
+    winding.load(0);
+    InsideRows all(grid), some(grid, window);
+    int both = 0;
+    for (std::int64_t n = 0; n < 3 * 2; ++n) {
+      for (InsideRows* const rows : {&all, &some}) {
+        rows->clear(n % 3, n / 3);
+        winding.fill(*rows, n % 3, n / 3);
+      }
+      for (std::int64_t tx = 2; tx < 4; ++tx)
+        for (std::size_t row = 0; row < 64; ++row) {
+          EXPECT_EQ(std::as_const(some).tile(tx)[row], std::as_const(all).tile(tx)[row]);
+          both += std::as_const(all).tile(tx)[row] != 0;
+        }
+    }
+    EXPECT_GT(both, 5);
+  }
 }
 
 }  // namespace

@@ -1,47 +1,77 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops of the sign, compiled once per instruction set (kernels_*.cpp) and chosen at run time: which rows of
-// samples cross a triangle, in single precision, and sums of solid angles of many triangles, in float.
+// samples cross a triangle, in single precision; sums of solid angles of many triangles, in float; and negation.
 #pragma once
 
 #include <cstdint>
 
 #include "standoff/execution.h"
+#include "standoff/sign.h"
 
 namespace standoff::cpu {
 
-/// A triangle, and at most kMostRows rows that may cross it. Coordinates are in samples, relative to a sample near the
-/// triangle: x along the row, p and q across it, for y and z.
-struct RowPatch {
-  static constexpr int kMostRows = 64;
-  static constexpr int kMostWidth = 8;  ///< of a patch that is more than one row high
-  /// |x|, |p| and |q| of corners and rows are below this: single precision counts so far, and its rounding is less than
-  /// a row.
-  static constexpr double kMost = 1 << 20;
-
-  /// A place across the rows.
-  struct Across {
-    float p, q;
-  };
-
-  float x[3];                  ///< of the corners
-  Across at[3];                ///< of the corners
-  float most_x;                ///< bounds the corners' |x|; at least 1
-  Across most;                 ///< bounds |p| and |q| of corners and rows; at least `slack`
-  float slack;                 ///< the most that coordinates may be off by, beside their rounding to float
-  Across first;                ///< the first row
-  std::int32_t width, height;  ///< of the patch, in rows
+/// The rows of a grid along x, and a window of them. Axis 0 is x; y and z count rows.
+struct RowSpace {
+  double origin[3], spacing[3], per_spacing[3];
+  double first[3];        ///< the number that the grid's first sample has
+  double size_x;          ///< samples of a row
+  double begin[3], end[3];  ///< the window, along y and z
+  double tile[3];         ///< the first row of the window's first tile, along y and z
+  float tiles_y;          ///< tiles of the grid along y
+  double slack;           ///< the most that coordinates in samples may be off by, beside their rounding to float
 };
 
-/// Rows are numbered 64 * patch + (p - first_p) + width * (q - first_q).
+/// The search for rows takes a corner to be off by this much, in samples: far more than by rounding.
+inline constexpr double kNearRow = 0x1p-16;
+
+/// Corners of triangles, coordinate by coordinate.
+struct RowCorners {
+  static constexpr int kMost = 64;
+  double at[3][3][kMost];  ///< axis, corner, triangle
+};
+
+/// The rows that triangles may cross, and what decides it. Coordinates are in samples, relative to a sample near the
+/// triangle: `base` along x, and the first of its rows.
+struct RowTriangles {
+  static constexpr int kMost = RowCorners::kMost;
+  /// |x|, |p| and |q| of corners and rows are below this: single precision counts so far, and its rounding is less than
+  /// a row.
+  static constexpr double kMostCoordinate = 1 << 20;
+  /// Rows have fewer samples, so that float has the number of each.
+  static constexpr std::int64_t kMostSamples = 1 << 24;
+
+  std::uint64_t any;             ///< a bit for each triangle that may cross rows; the others have no values
+  std::uint64_t fits;            ///< a bit for each of these whose coordinates are below kMostCoordinate
+  std::int32_t rows[3][kMost];   ///< along y and z
+  float first[3][kMost];         ///< the first row along y and z, from the window's first tile
+  float at[3][3][kMost];         ///< axis, corner, triangle: x, p along y, q along z
+  float most[3][kMost];          ///< bounds the coordinates of corners and rows; at least 1 along x, and `slack`
+  float base[kMost];
+  float side[3][3][kMost];       ///< of each side: E = side[0] + side[1] p + side[2] q
+  float plane[3][kMost];         ///< x = plane[0] + plane[1] p + plane[2] q
+  float side_bound[kMost], plane_bound[kMost];  ///< bound their errors
+  float enters[kMost];           ///< 1 where rows enter the solid there, along +x; else 0
+};
+
+/// Some rows of a triangle: a rectangle of them.
+struct RowStrip {
+  static constexpr int kMostRows = 64;
+  static constexpr int kMostWidth = 8;  ///< of a strip that is more than one row high
+
+  std::int32_t triangle;
+  std::int32_t p, q;           ///< the first row
+  std::int32_t width, height;  ///< in rows
+};
+
 struct CrossedRows {
-  static constexpr int kMostPatches = 64;
-  static constexpr int kRoom = kMostPatches * RowPatch::kMostRows + 16;  ///< kernels store sixteen at once
+  static constexpr int kMostStrips = 64;
+  static constexpr int kRoom = kMostStrips * RowStrip::kMostRows + 16;  ///< kernels store sixteen at once
 
   int count, unsure_count;
-  bool leaves[kMostPatches];    ///< for each patch: whether rows leave the solid there, along +x
-  std::uint32_t row[kRoom];     ///< rows that surely cross the triangle
-  float past[kRoom];            ///< for each of these: the first sample that is surely past the crossing
-  std::uint32_t unsure[kRoom];  ///< rows that are left to exact arithmetic
+  /// For each row that surely crosses a triangle: 2 * row + (whether it enters the solid), with the row as in
+  /// FoundCrossing, and the first sample that is past the crossing.
+  float row[kRoom], past[kRoom];
+  std::uint32_t unsure[kRoom];  ///< rows that are left to exact arithmetic: kMostRows * strip + p + width * q
 };
 
 /// Triangles, coordinate by coordinate: each array may be read kLanes - 1 floats past its end.
@@ -78,13 +108,28 @@ constexpr double angle_error(double coordinates, double least_length, double lea
   return 0x1p-24 * (1.1 * (32 * coordinates / least_length + 200) / least_sq_root + kAngleProduct);
 }
 
+/// From the first tile of a row of tiles to before the end.
+struct TileRange {
+  std::int64_t first, end;
+};
+
 struct SignKernels {
-  /// Finds the rows that cross the triangles of at most CrossedRows::kMostPatches patches, in any order.
-  void (*cross_rows)(const RowPatch* patches, int count, CrossedRows&);
+  /// Finds the rows that the first `count` triangles may cross: at most one too many at each end, along y and z.
+  void (*find_rows)(const RowCorners&, int count, const RowSpace&, RowTriangles&);
+  /// Finds which rows of at most CrossedRows::kMostStrips strips cross their triangles, in any order.
+  void (*cross_rows)(const RowTriangles&, const RowStrip* strips, int count, const RowSpace&, CrossedRows&);
   /// Adds the solid angles of at most AngleChunk::kMost triangles, first to first + count - 1, seen from p (three
   /// floats). Those that have a corner nearer than `least_length`, and some others, are left out (AngleChunk).
   void (*add_solid_angles)(const AngleTriangles&, std::int64_t first, int count, const float* p, float least_length,
                            AngleSums&, AngleChunk&);
+  /// Marks the samples inside of 64 rows of tiles side by side, as in InsideRows, whose bits are 0. `steps` has the
+  /// changes of the winding number, by sample, then by row, which are 0 in tiles that are not stepped; resets both.
+  /// Returns the range of the tiles that have samples inside.
+  TileRange (*mark_inside)(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
+                              std::uint8_t* inside);
+  /// Negates the values whose bit is set; a byte has the bits of eight values, the first one in its lowest bit. Zero
+  /// stays zero: a sample on the surface has no side.
+  void (*negate)(const std::uint8_t* inside, std::int64_t count, float* values);
 
   static const SignKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };

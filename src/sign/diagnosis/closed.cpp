@@ -142,20 +142,55 @@ EdgeSums& EdgeSums::operator-=(const EdgeSums& other) {
 
 namespace {
 
-// Disjoint sets of vertices that many threads join at once. A link always leads to a lower vertex, so the lowest vertex
-// represents its set in the end, whatever the threads do.
+// Disjoint sets of vertices, joined by triangles. A link always leads to a lower vertex, so the lowest vertex represents
+// its set in the end, whatever the threads do.
 class VertexSets {
  public:
-  explicit VertexSets(std::size_t vertices) : link_(vertices) {
-    for (std::uint32_t v = 0; v < vertices; ++v) link_[v] = v;
+  explicit VertexSets(MeshView mesh) : link_(mesh.vertices.size()) {
+    for (std::uint32_t v = 0; v < link_.size(); ++v) link_[v] = v;
+    // Link each vertex to the lowest one beside it, which spares most triangles a search. A link that is lost because
+    // threads meet is found below.
+    for_each_triangle(mesh, [&](const Triangle& t) {
+      const std::uint32_t lowest = std::min({link(t[0]), link(t[1]), link(t[2])});
+      for (const std::uint32_t v : t) at(v).store(lowest, std::memory_order_relaxed);
+    });
+    follow_links();
+    for_each_triangle(mesh, [&](const Triangle& t) {
+      if (link(t[0]) == link(t[1]) && link(t[1]) == link(t[2])) return;
+      join(t[0], t[1]);
+      join(t[1], t[2]);
+    });
+    follow_links();
+  }
+
+  /// The lowest vertex of the set of a vertex.
+  std::uint32_t lowest(std::uint32_t v) const { return link_[v]; }
+
+ private:
+  template <class Use>
+  static void for_each_triangle(MeshView mesh, const Use& use) {
+    tbb::parallel_for(TriangleRange(0, mesh.triangles.size(), 4096), [&](const TriangleRange& range) {
+      if (const auto packed = mesh.triangles.as_span())
+        for (const Triangle& t : packed->subspan(range.begin(), range.size())) use(t);
+      else
+        for (std::size_t t = range.begin(); t != range.end(); ++t) use(mesh.triangles[t]);
+    });
+  }
+
+  std::atomic_ref<std::uint32_t> at(std::uint32_t v) { return std::atomic_ref(link_[v]); }
+  std::uint32_t link(std::uint32_t v) { return at(v).load(std::memory_order_relaxed); }
+
+  // Links each vertex to the end of its path: a link leads to a vertex whose own link leads there already.
+  void follow_links() {
+    for (std::uint32_t& link : link_) link = link_[link];
   }
 
   std::uint32_t find(std::uint32_t v) {
     for (;;) {
-      const std::uint32_t up = at(v).load(std::memory_order_relaxed);
+      const std::uint32_t up = link(v);
       if (up == v) return v;
-      const std::uint32_t above = at(up).load(std::memory_order_relaxed);
-      if (above != up) at(v).store(above, std::memory_order_relaxed);  // halves the path
+      const std::uint32_t above = link(up);
+      at(v).store(above, std::memory_order_relaxed);  // halves the path
       v = above;
     }
   }
@@ -170,9 +205,6 @@ class VertexSets {
       if (at(a).compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
     }
   }
-
- private:
-  std::atomic_ref<std::uint32_t> at(std::uint32_t v) { return std::atomic_ref(link_[v]); }
 
   std::vector<std::uint32_t> link_;
 };
@@ -204,24 +236,11 @@ struct ChunkPart {
 };
 constexpr std::size_t kOutwardChunk = 1024, kOutwardChunks = 64;
 
-// Joins the vertices of each triangle.
-VertexSets sets_of(MeshView mesh) {
-  VertexSets sets(mesh.vertices.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 4096), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t != range.end(); ++t) {
-      const Triangle v = mesh.triangles[t];
-      sets.join(v[0], v[1]);
-      sets.join(v[1], v[2]);
-    }
-  });
-  return sets;
-}
-
 // Numbers the sets by their lowest vertices. Returns how many there are.
-std::uint32_t number_sets(VertexSets& sets, std::vector<std::uint32_t>& number) {
+std::uint32_t number_sets(const VertexSets& sets, std::vector<std::uint32_t>& number) {
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < number.size(); ++v)
-    if (sets.find(v) == v) number[v] = count++;
+    if (sets.lowest(v) == v) number[v] = count++;
   return count;
 }
 
@@ -229,7 +248,7 @@ std::uint32_t number_sets(VertexSets& sets, std::vector<std::uint32_t>& number) 
 
 bool faces_outwards(MeshView mesh) {
   const std::size_t triangles = mesh.triangles.size();
-  VertexSets sets = sets_of(mesh);
+  const VertexSets sets(mesh);
   std::vector<std::uint32_t> number(mesh.vertices.size());  // of each set, at its lowest vertex
   const std::uint32_t count = number_sets(sets, number);
 
@@ -242,14 +261,17 @@ bool faces_outwards(MeshView mesh) {
       std::vector<ChunkPart>& mine = parts[chunk];
       mine.clear();
       const std::size_t begin = first + chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
-      for (std::size_t t = begin; t < end; ++t) {
-        const std::uint32_t set = sets.find(mesh.triangles[t][0]);
-        if (mine.empty() || mine.back().set != set) mine.push_back({set, {}});
+      for (std::size_t t = begin; t < end;) {
+        const std::uint32_t set = sets.lowest(mesh.triangles[t][0]);
         const Vec3 origin = mesh.vertices[set];  // belongs to the set, so that a small part far away loses nothing
-        const auto [a, b, c] = mesh.corners(t);
-        const Vec3 normal = cross(b - a, c - a);
-        const double volume = dot(a - origin, normal);
-        mine.back().sums.add({volume, std::abs(volume), normal, max_norm(normal)});
+        ChunkSums sums;
+        for (; t < end && sets.lowest(mesh.triangles[t][0]) == set; ++t) {
+          const auto [a, b, c] = mesh.corners(t);
+          const Vec3 normal = cross(b - a, c - a);
+          const double volume = dot(a - origin, normal);
+          sums.add({volume, std::abs(volume), normal, max_norm(normal)});
+        }
+        mine.push_back({set, sums});
       }
     });
     for (const auto& chunk : parts)
@@ -259,9 +281,9 @@ bool faces_outwards(MeshView mesh) {
 }
 
 std::int64_t outward_bytes(MeshView mesh) {
-  VertexSets sets = sets_of(mesh);
+  const VertexSets sets(mesh);
   std::int64_t count = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) count += sets.find(v) == v;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) count += sets.lowest(v) == v;
   // The most parts of a chunk: runs of triangles of one set.
   const std::size_t triangles = mesh.triangles.size(), chunks = (triangles + kOutwardChunk - 1) / kOutwardChunk;
   const auto parts = [&](const TriangleRange& range, std::int64_t most) {
@@ -269,7 +291,7 @@ std::int64_t outward_bytes(MeshView mesh) {
       std::int64_t runs = 1;
       const std::size_t begin = chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
       for (std::size_t t = begin + 1; t < end; ++t)
-        runs += sets.find(mesh.triangles[t][0]) != sets.find(mesh.triangles[t - 1][0]);
+        runs += sets.lowest(mesh.triangles[t][0]) != sets.lowest(mesh.triangles[t - 1][0]);
       most = std::max(most, runs);
     }
     return most;
@@ -313,16 +335,16 @@ double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<doub
 }  // namespace
 
 OutwardSums::OutwardSums(MeshView mesh) : set_of_(mesh.vertices.size()) {
-  VertexSets sets = sets_of(mesh);
+  const VertexSets sets(mesh);
   // A vertex that no triangle uses gets no set: meshes may have any number of these.
   constexpr std::uint32_t kNoSet = static_cast<std::uint32_t>(-1);
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNoSet);
   std::uint32_t count = 0;
   for (const Triangle& t : mesh.triangles)
-    if (std::uint32_t& n = number[sets.find(t[0])]; n == kNoSet) n = count++;
+    if (std::uint32_t& n = number[sets.lowest(t[0])]; n == kNoSet) n = count++;
   sets_.resize(count);
   for (std::uint32_t v = 0; v < set_of_.size(); ++v) {
-    const std::uint32_t lowest = sets.find(v);
+    const std::uint32_t lowest = sets.lowest(v);
     set_of_[v] = number[lowest];
     if (lowest == v && number[v] != kNoSet) sets_[number[v]].origin = mesh.vertices[v], sets_[number[v]].first = v;
   }

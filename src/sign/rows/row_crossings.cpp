@@ -93,8 +93,10 @@ RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressM
   load(0);
 }
 
-RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes)
+RowCrossings::RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes,
+                           Order order)
     : scan_(mesh, grid),
+      order_(order),
       triangles_(mesh.mesh.triangles.size()),
       size_(grid.size),
       progress_(&progress),
@@ -144,6 +146,7 @@ bool RowCrossings::find(const RowWindow& window, std::size_t count) {
   if (budget.is_spent()) return false;
 
   sort_by_tiles(lists, count, begin_, crossings_);
+  if (order_ == Order::any) return true;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
     for (std::size_t n = range.begin(); n != range.end(); ++n) {
       if (n % 64 == 0 || begin_[n + 1] - begin_[n] > kMany) progress_->check();
@@ -161,6 +164,7 @@ void RowCrossings::find_row_by_row(std::int64_t tiles) {
   for (std::int64_t k = kTileSide * tz; k < std::min(size_.z, kTileSide * (tz + 1)); ++k)
     for (std::int64_t j = kTileSide * ty; j < std::min(size_.y, kTileSide * (ty + 1)); ++j) {
       if (!find(RowWindow{{j, k}, {j + 1, k + 1}}, 1)) throw std::logic_error("the crossings of one row do not fit");
+      if (order_ == Order::any) sort(crossings_);
       const std::size_t row_begin = all.size();
       for (const RowCrossing& one : crossings_) {
         if (all.size() > row_begin && all.back().past() == one.past()) {
@@ -203,17 +207,35 @@ std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid,
   return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
 }
 
-void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
+namespace {
+
+// For one row, whose winding numbers may need more than a byte.
+void fill_row(std::span<const RowCrossing> crossings, int row, WindingRule rule, InsideRows& rows) {
+  const std::int64_t first = kTileSide * rows.tiles_begin(), end = rows.size().x;
+  std::vector<std::int32_t> steps(static_cast<std::size_t>(end - first));
+  for (const RowCrossing& crossing : crossings)
+    if (crossing.row() == row && crossing.past() < end)
+      steps[static_cast<std::size_t>(std::max(crossing.past(), first) - first)] += crossing.step();
   std::int32_t winding = 0;
-  int row = -1;
-  for (const RowCrossing& crossing : crossings) {
-    winding = crossing.row() == row ? winding : 0;
-    row = crossing.row();
-    const bool before = is_inside(winding, rule);
-    winding += crossing.step();
-    rows.toggle(row, crossing.past(), is_inside(winding, rule) != before);
+  std::int64_t begin = first;  // of the samples with this winding number
+  for (std::int64_t i = first; i < end; ++i) {
+    const std::int32_t step = steps[static_cast<std::size_t>(i - first)];
+    if (step == 0) continue;
+    if (is_inside(winding, rule)) rows.set(row, begin, i);
+    winding += step;
+    begin = i;
   }
-  rows.finish_toggles();
+  if (is_inside(winding, rule)) rows.set(row, begin, end);
+}
+
+}  // namespace
+
+void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
+  if (rows.mark_between(crossings, rule)) return;
+  std::array<bool, kTileRows> is_crossed{};
+  for (const RowCrossing& crossing : crossings) is_crossed[static_cast<std::size_t>(crossing.row())] = true;
+  for (int row = 0; row < kTileRows; ++row)
+    if (is_crossed[static_cast<std::size_t>(row)]) fill_row(crossings, row, rule, rows);
 }
 
 }  // namespace standoff

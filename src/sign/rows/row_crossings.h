@@ -46,15 +46,18 @@ class RowCrossings {
   /// All crossings of the grid. Requires a valid mesh and grid, which outlive this. Runs on the threads of the calling
   /// TBB arena.
   RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress);
+  /// Of the crossings of a row of tiles.
+  enum class Order : std::uint8_t { sorted, any };
   /// Holds no crossings yet. `bytes` limits the crossings held at a time; least_bytes if that is more.
-  RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes);
+  RowCrossings(const OrientedMesh& mesh, const Grid& grid, ProgressMeter& progress, std::int64_t bytes,
+               Order order = Order::sorted);
 
   /// Replaces the crossings held by the crossings of the rows of tiles from number `first` on (ty + tiles_y * tz).
   /// Returns the number after the last row of tiles whose crossings fit. Runs on the threads of the calling TBB arena.
   /// Throws Error{interrupted}.
   std::int64_t load(std::int64_t first);
 
-  /// The crossings of the 64 rows of the tiles (., ty, tz), sorted. Requires that they are held.
+  /// The crossings of the 64 rows of the tiles (., ty, tz), in their order. Requires that they are held.
   std::span<const RowCrossing> of_tiles(std::int64_t ty, std::int64_t tz) const {
     const auto n = static_cast<std::size_t>(ty + tiles_y_ * tz - first_);
     return std::span(crossings_).subspan(begin_[n], begin_[n + 1] - begin_[n]);
@@ -75,6 +78,7 @@ class RowCrossings {
   void find_row_by_row(std::int64_t tiles);
 
   RowScan scan_;
+  Order order_;
   std::size_t triangles_;
   Size3 size_;
   ProgressMeter* progress_;
@@ -85,7 +89,7 @@ class RowCrossings {
   std::vector<RowCrossing> crossings_;
 };
 
-/// Marks the samples inside of the 64 rows of some tiles by their crossings, sorted, of a closed mesh.
+/// Marks the samples inside of the 64 rows of some tiles by their crossings, in any order, of a closed mesh.
 void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows);
 
 /// The signs in a closed mesh: its winding number is an integer, the sum of the crossings of a row.
@@ -96,7 +100,7 @@ class IntegerWinding final : public SampleSigns {
   /// `bytes` limits the crossings held at a time (RowCrossings).
   IntegerWinding(const OrientedMesh& mesh, const Grid& grid, WindingRule rule, ProgressMeter& progress,
                  std::int64_t bytes = std::numeric_limits<std::int64_t>::max())
-      : crossings_(mesh, grid, progress, bytes), rule_(rule) {}
+      : crossings_(mesh, grid, progress, bytes, RowCrossings::Order::any), rule_(rule) {}
 
   std::int64_t load(std::int64_t first) override { return crossings_.load(first); }
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override {

@@ -2,8 +2,8 @@
 #include "sign/rows/row_scan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "core/tile_count.h"
@@ -14,84 +14,39 @@ namespace standoff {
 namespace {
 
 using cpu::CrossedRows;
-using cpu::RowPatch;
+using cpu::RowCorners;
+using cpu::RowStrip;
+using cpu::RowTriangles;
 
-// The search for rows takes a corner to be off by this much, in samples: far more than by rounding.
-constexpr double kNearRow = 0x1p-16;
+double largest(double a, double b, double c) { return std::max(std::max(a, b), c); }
 
-// y and z, side by side in a register.
-using Pair = double __attribute__((vector_size(16)));
-using PairOfInts = std::int64_t __attribute__((vector_size(16)));
-
-Pair least(Pair a, Pair b) { return a < b ? a : b; }
-Pair largest(Pair a, Pair b) { return a > b ? a : b; }
-
-Pair one_where(PairOfInts mask) { return reinterpret_cast<Pair>(mask & reinterpret_cast<PairOfInts>(Pair{1, 1})); }
-bool both(PairOfInts mask) { return (mask[0] & mask[1]) != 0; }
-// Adds a number so large that the sum has no room for fractions. Requires |x| < 2^51.
-template <class Number>
-Number rounded_to_nearest(Number x) {
-  return (x + 0x1.8p52) - 0x1.8p52;
-}
-Pair rounded_down(Pair x) {
-  const Pair nearest = rounded_to_nearest(x);
-  return nearest - one_where(nearest > x);
-}
-double rounded_down(double x) {
-  const double nearest = rounded_to_nearest(x);
-  return nearest - (nearest > x ? 1.0 : 0.0);
-}
-RowPatch::Across across(Pair at) { return {static_cast<float>(at[0]), static_cast<float>(at[1])}; }
-
+// The corners of a triangle in its orientation, 1 or -1, as triangle n.
 template <bool kPacked>
-Vec3 corners_x(const MeshView& mesh, std::size_t triangle) {
-  const auto x = [&](std::size_t n) {
+void load_corners(const MeshView& mesh, std::size_t triangle, int use, std::size_t n, RowCorners& to) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t from = use > 0 ? c : (3 - c) % 3;
+    Vec3 corner;
     if constexpr (kPacked) {
-      const auto vertex = detail::load<std::uint32_t>(mesh.triangles.data() + sizeof(Triangle) * triangle + 4 * n);
-      return detail::load<double>(mesh.vertices.data() + sizeof(Vec3) * vertex);
+      const auto vertex = detail::load<std::uint32_t>(mesh.triangles.data() + sizeof(Triangle) * triangle + 4 * from);
+      corner = detail::load_vertex<double>(mesh.vertices.data() + sizeof(Vec3) * vertex);
     } else {
-      return mesh.corner(triangle, static_cast<int>(n)).x;
+      corner = mesh.corner(triangle, static_cast<int>(from));
     }
-  };
-  return {x(0), x(1), x(2)};
-}
-
-template <bool kPacked>
-Pair corner_yz(const MeshView& mesh, std::size_t triangle, std::size_t n) {
-  if constexpr (kPacked) {
-    const auto vertex = detail::load<std::uint32_t>(mesh.triangles.data() + sizeof(Triangle) * triangle + 4 * n);
-    return detail::load<Pair>(mesh.vertices.data() + sizeof(Vec3) * vertex + sizeof(double));
-  } else {
-    const Vec3 corner = mesh.corner(triangle, static_cast<int>(n));
-    return Pair{corner.y, corner.z};
+    to.at[0][c][n] = corner.x;
+    to.at[1][c][n] = corner.y;
+    to.at[2][c][n] = corner.z;
   }
 }
 
-// The place of each row in patches of each width.
-struct RowInPatch {
-  std::uint8_t p, q;
-};
-using RowsInPatch = std::array<std::array<RowInPatch, RowPatch::kMostRows>, RowPatch::kMostWidth + 1>;
-constexpr RowsInPatch kRowsInPatch = [] {
-  RowsInPatch rows{};
-  for (std::size_t width = 1; width < rows.size(); ++width)
-    for (std::size_t n = 0; n < rows[width].size(); ++n)
-      rows[width][n] = {static_cast<std::uint8_t>(n % width), static_cast<std::uint8_t>(n / width)};
-  return rows;
-}();
-
-double least(double a, double b, double c) { return std::min(std::min(a, b), c); }
-double largest(double a, double b, double c) { return std::max(std::max(a, b), c); }
-
 // Rows p < width that a triangle may cross in the plane q: between the cuts of its sides.
 struct ScanSpan {
-  std::int64_t begin, end;
+  std::int32_t begin, end;
 };
-ScanSpan span_in_plane(const RowPatch& t, double q, double slack, std::int64_t width) {
+ScanSpan span_in_plane(const RowTriangles& triangles, int triangle, double q, double slack, std::int32_t width) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (int n = 0; n < 3; ++n) {
-    const int m = (n + 1) % 3;
-    const double q0 = t.at[n].q, q1 = t.at[m].q, p0 = t.at[n].p, p1 = t.at[m].p;
+    const auto at = [&](int axis, int corner) -> double { return triangles.at[axis][corner % 3][triangle]; };
+    const double q0 = at(2, n), q1 = at(2, n + 1), p0 = at(1, n), p1 = at(1, n + 1);
     if (q < std::min(q0, q1) - slack || q > std::max(q0, q1) + slack) continue;
     const double rise = q1 - q0, run = p1 - p0;
     double from = p0, to = p1;
@@ -103,50 +58,58 @@ ScanSpan span_in_plane(const RowPatch& t, double q, double slack, std::int64_t w
   if (!(low <= high)) return {0, 0};
   const double begin = std::clamp(std::floor(low) - 1, 0.0, static_cast<double>(width)),
                end = std::clamp(std::ceil(high) + 2, begin, static_cast<double>(width));
-  return {static_cast<std::int64_t>(begin), static_cast<std::int64_t>(end)};
+  return {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end)};
 }
 
 }  // namespace
 
-// Patches that wait for the kernel, and the places of their rows.
+// Triangles, and strips of their rows that wait for the kernel.
 struct RowScan::Batch {
-  Batch(const RowWindow& rows, CrossingList& to, std::int64_t tiles_along_y)
+  Batch(const RowWindow& rows, CrossingList& to, const Grid& grid, double slack)
       : window(rows),
         list(to),
-        tiles_y(tiles_along_y),
-        first_tiles(rows.begin[0] / kTileSide + tiles_along_y * (rows.begin[1] / kTileSide)) {}
+        tile{rows.begin[0] - rows.begin[0] % kTileSide, rows.begin[1] - rows.begin[1] % kTileSide},
+        tiles_y(tiles_along(grid.size.y)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      space.origin[axis] = grid.origin[axis];
+      space.spacing[axis] = grid.spacing[axis];
+      space.per_spacing[axis] = 1 / grid.spacing[axis];
+      space.first[axis] = static_cast<double>(grid.first[axis]);
+      if (axis == 0) continue;
+      space.begin[axis] = static_cast<double>(rows.begin[axis - 1]);
+      space.end[axis] = static_cast<double>(rows.end[axis - 1]);
+      space.tile[axis] = static_cast<double>(tile[axis - 1]);
+    }
+    space.size_x = static_cast<double>(grid.size.x);
+    space.tiles_y = static_cast<float>(tiles_y);
+    space.slack = slack;
+  }
 
   const RowWindow& window;
   CrossingList& list;
-  std::int64_t tiles_y, first_tiles;  // tiles of the grid along y, and the number of the window's first row of tiles
+  std::array<std::int64_t, 2> tile;  // the first row of the window's first tile
+  std::int64_t tiles_y;              // tiles of the grid along y
+  cpu::RowSpace space;
   int count = 0;
-  std::array<RowPatch, CrossedRows::kMostPatches> patches;
-  std::array<Place, CrossedRows::kMostPatches> places;
+  std::array<std::size_t, RowCorners::kMost> numbers;  // of the triangles
+  RowCorners corners;
+  RowTriangles triangles{};
+  int strip_count = 0;
+  std::array<RowStrip, CrossedRows::kMostStrips> strips;
   CrossedRows found;
 
-  // Gives the patch in the next place these rows, from (p, q) on; `place` is the place of (0, 0).
-  void add(std::int64_t p, std::int64_t q, const Extent& rows, const Place& place) {
-    RowPatch& patch = patches[static_cast<std::size_t>(count)];
-    patch.first = {static_cast<float>(p), static_cast<float>(q)};
-    patch.width = static_cast<std::int32_t>(rows.columns);
-    patch.height = static_cast<std::int32_t>(rows.planes);
-    places[static_cast<std::size_t>(count++)] = {place.triangle, place.base, place.j + p, place.k + q};
+  // The row (j, k) of the grid that is row (p, q) of a triangle.
+  std::array<std::int64_t, 2> row_of(std::int32_t triangle, std::int32_t p, std::int32_t q) const {
+    return {tile[0] + static_cast<std::int64_t>(triangles.first[1][triangle]) + p,
+            tile[1] + static_cast<std::int64_t>(triangles.first[2][triangle]) + q};
   }
-  // The row (j, k) that a number in `found` stands for.
-  std::array<std::int64_t, 2> row_of(std::uint32_t number) const {
-    const std::uint32_t row = number % RowPatch::kMostRows, which = number / RowPatch::kMostRows;
-    const Place& place = places[which];
-    if (patches[which].height == 1) return {place.j + row, place.k};
-    const RowInPatch& at = kRowsInPatch[static_cast<std::size_t>(patches[which].width)][row];
-    return {place.j + at.p, place.k + at.q};
-  }
-  void add_crossing(std::int64_t j, std::int64_t k, std::int64_t past, bool enters, bool counts) const {
-    const auto y = static_cast<std::uint64_t>(j), z = static_cast<std::uint64_t>(k);
-    const std::uint64_t tiles =
-        y / kTileSide + static_cast<std::uint64_t>(tiles_y) * (z / kTileSide) - static_cast<std::uint64_t>(first_tiles);
-    list.add(FoundCrossing::make(InsideRows::kRows * tiles + y % kTileSide + kTileSide * (z % kTileSide),
-                                 static_cast<std::uint64_t>(past), enters),
-             counts);
+  bool add_crossing(std::int64_t j, std::int64_t k, std::int64_t past, bool enters) const {
+    const auto y = static_cast<std::uint64_t>(j - tile[0]), z = static_cast<std::uint64_t>(k - tile[1]);
+    const std::uint64_t tiles = y / kTileSide + static_cast<std::uint64_t>(tiles_y) * (z / kTileSide),
+                        row = InsideRows::kRows * tiles + y % kTileSide + kTileSide * (z % kTileSide);
+    FoundCrossing* const to = list.add(1);
+    if (to) *to = FoundCrossing::make(2 * row + std::uint64_t{enters}, static_cast<std::uint64_t>(past));
+    return to != nullptr;
   }
 };
 
@@ -160,151 +123,124 @@ RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd)
   // Three operations turn a corner into samples, and each adds an error of 2^-53 times at most size + kMost. Two
   // roundings move a sample off its place, by 2^-53 times at most size and size + |origin| / spacing.
   const auto slack = [](const GridAxis& axis) {
-    return 0x1p-50 *
-           (static_cast<double>(axis.first + axis.size) + RowPatch::kMost + std::abs(axis.origin) / axis.spacing);
+    return 0x1p-50 * (static_cast<double>(axis.first + axis.size) + RowTriangles::kMostCoordinate +
+                      std::abs(axis.origin) / axis.spacing);
   };
   slack_ = largest(slack(axis_of(grid, 0)), slack(axis_of(grid, 1)), slack(axis_of(grid, 2)));
   const double per = largest(1 / grid.spacing.x, 1 / grid.spacing.y, 1 / grid.spacing.z);
-  filters_ = slack_ < kNearRow / 2 && per < std::numeric_limits<double>::infinity();
+  filters_ = slack_ < cpu::kNearRow / 2 && per < std::numeric_limits<double>::infinity() &&
+             grid.size.x < RowTriangles::kMostSamples;
 }
 
 bool RowScan::scan(std::size_t first, std::size_t end, const RowWindow& window, CrossingList& list) const {
-  Batch batch(window, list, tiles_along(grid_.size.y));
+  Batch batch(window, list, grid_, slack_);
   if (!filters_) {
     for (std::size_t t = first; t < end; ++t)
-      if (!add_all_exactly(t, window, batch)) return false;
+      if (!add_all_exactly(t, batch)) return false;
     return true;
   }
   const bool is_packed = mesh_.mesh.triangles.packed() && mesh_.mesh.vertices.packed();
-  return (is_packed ? scan_filtered<true>(first, end, batch) : scan_filtered<false>(first, end, batch)) &&
-         finish(batch);
+  return is_packed ? scan_filtered<true>(first, end, batch) : scan_filtered<false>(first, end, batch);
 }
 
 template <bool kPacked>
 bool RowScan::scan_filtered(std::size_t first, std::size_t end, Batch& batch) const {
-  const RowWindow& window = batch.window;
-  const Pair origin{grid_.origin.y, grid_.origin.z}, spacing{grid_.spacing.y, grid_.spacing.z},
-      first_row{double(grid_.first.y), double(grid_.first.z)},
-      per = 1 / spacing, before{1 - kNearRow, 1 - kNearRow}, after{1 + kNearRow, 1 + kNearRow},
-      window_begin{double(window.begin[0]), double(window.begin[1])},
-      window_end{double(window.end[0]), double(window.end[1])}, none{0, 0};
-  const double size_x = static_cast<double>(x_.size());
-  const auto rows_to = [&](Pair value) { return (value - origin) * per - first_row; };
-  const auto coordinate = [&](Pair row) { return origin + spacing * (first_row + row); };
-  for (std::size_t t = first; t < end; ++t) {
-    const Pair a = corner_yz<kPacked>(mesh_.mesh, t, 0), b = corner_yz<kPacked>(mesh_.mesh, t, 1),
-               c = corner_yz<kPacked>(mesh_.mesh, t, 2);
-    const Pair low = least(least(a, b), c), high = largest(largest(a, b), c);
-    // Take the first rows after low - kNearRow and after high + kNearRow: at most one too many at each end.
-    Pair begin = rounded_down(largest(rows_to(low) + before, window_begin)),
-         past = rounded_down(largest(least(rows_to(high) + after, window_end), none));
-    if (!both(begin < past)) continue;
-    // Make the range half open: a row at the largest y or z passes beside the triangle.
-    begin += one_where(coordinate(begin) < low);
-    past -= one_where(coordinate(past - 1) >= high);
-    if (!both(begin < past) || mesh_.use_of(t) == 0) continue;
-
-    const Vec3 x = corners_x<kPacked>(mesh_.mesh, t);
-    const double xs[3] = {x_.to_samples(x.x), x_.to_samples(x.y), x_.to_samples(x.z)};
-    const double low_x = least(xs[0], xs[1], xs[2]);
-    if (low_x > size_x + 1) continue;
-    if (batch.count == CrossedRows::kMostPatches && !finish(batch)) return false;
-    // Write coordinates relative to a sample near the triangle, directly into the batch: a copy would wait for them.
-    RowPatch& patch = batch.patches[static_cast<std::size_t>(batch.count)];
-    const double base = rounded_down(std::max(low_x, -0x1p40));
-    const double x0 = xs[0] - base, x1 = xs[1] - base, x2 = xs[2] - base;
-    const Pair at0 = rows_to(a) - begin, at1 = rows_to(b) - begin, at2 = rows_to(c) - begin;
-    const double most_x = std::max(largest(x0, x1, x2), 1.0);  // none is negative
-    const Pair extent = past - begin,
-               most = largest(largest(largest(at0, -at0), largest(at1, -at1)),
-                              largest(largest(at2, -at2), largest(extent, Pair{slack_, slack_})));
-    const Place place{t, static_cast<std::int64_t>(base), static_cast<std::int64_t>(begin[0]),
-                      static_cast<std::int64_t>(begin[1])};
-    const Extent rows{static_cast<std::int64_t>(extent[0]), static_cast<std::int64_t>(extent[1])};
-    if (!(largest(most_x, most[0], most[1]) < RowPatch::kMost)) {
-      if (!add_rows(place, rows, batch)) return false;
-      continue;
+  for (std::size_t t = first; t < end;) {
+    for (batch.count = 0; t < end && batch.count < RowCorners::kMost; ++t) {
+      const int use = mesh_.use_of(t);
+      if (use == 0) continue;
+      const auto n = static_cast<std::size_t>(batch.count++);
+      batch.numbers[n] = t;
+      load_corners<kPacked>(mesh_.mesh, t, use, n, batch.corners);
     }
-    patch.x[0] = static_cast<float>(x0);
-    patch.x[1] = static_cast<float>(x1);
-    patch.x[2] = static_cast<float>(x2);
-    patch.at[0] = across(at0);
-    patch.at[1] = across(at1);
-    patch.at[2] = across(at2);
-    patch.most_x = static_cast<float>(most_x);
-    patch.most = across(most);
-    patch.slack = static_cast<float>(slack_);
-    if (rows.columns <= RowPatch::kMostWidth && rows.columns * rows.planes <= RowPatch::kMostRows)
-      batch.add(0, 0, rows, place);
-    else if (!add_strips(RowPatch(patch), rows, place, batch))
-      return false;
+    if (!add_triangles(batch)) return false;
   }
   return true;
 }
 
-// Adds a triangle with too many rows for one patch.
-bool RowScan::add_strips(const RowPatch& patch, const Extent& rows, const Place& place, Batch& batch) const {
-  const auto [columns, planes] = rows;
-  const auto add = [&](std::int64_t p, std::int64_t q, std::int64_t width, std::int64_t height) {
-    if (batch.count == CrossedRows::kMostPatches && !finish(batch)) return false;
-    batch.patches[static_cast<std::size_t>(batch.count)] = patch;
-    batch.add(p, q, {width, height}, place);
-    return true;
-  };
-  if (columns <= RowPatch::kMostWidth) {
-    const std::int64_t at_once = RowPatch::kMostRows / columns;
-    for (std::int64_t q = 0; q < planes; q += at_once)
-      if (!add(0, q, columns, std::min(at_once, planes - q))) return false;
+bool RowScan::add_triangles(Batch& batch) const {
+  RowTriangles& triangles = batch.triangles;
+  kernels_->find_rows(batch.corners, batch.count, batch.space, triangles);
+  for (std::uint64_t any = triangles.any; any != 0; any &= any - 1) {
+    const int n = std::countr_zero(any);
+    if ((triangles.fits >> n & 1) != 0) {
+      if (!add_strips(n, batch)) return false;
+    } else {
+      const auto [j, k] = batch.row_of(n, 0, 0);
+      if (!add_rows_exactly(batch.numbers[static_cast<std::size_t>(n)],
+                            {{j, k}, {j + triangles.rows[1][n], k + triangles.rows[2][n]}}, batch))
+        return false;
+    }
+  }
+  return finish(batch);
+}
+
+bool RowScan::add_strip(const RowStrip& strip, Batch& batch) const {
+  if (batch.strip_count == CrossedRows::kMostStrips && !finish(batch)) return false;
+  batch.strips[static_cast<std::size_t>(batch.strip_count++)] = strip;
+  return true;
+}
+
+// Adds all rows of triangle n of the batch.
+bool RowScan::add_strips(int n, Batch& batch) const {
+  const RowTriangles& triangles = batch.triangles;
+  const std::int32_t columns = triangles.rows[1][n], planes = triangles.rows[2][n];
+  if (columns <= RowStrip::kMostWidth) {
+    const std::int32_t at_once = RowStrip::kMostRows / columns;
+    for (std::int32_t q = 0; q < planes; q += at_once)
+      if (!add_strip({n, 0, q, columns, std::min(at_once, planes - q)}, batch)) return false;
     return true;
   }
-  const double slack = slack_ + 0x1p-23 * std::max(double{patch.most.p}, double{patch.most.q});  // rounded to float
-  for (std::int64_t q = 0; q < planes; ++q) {
-    const ScanSpan span = span_in_plane(patch, static_cast<double>(q), slack, columns);
-    for (std::int64_t p = span.begin; p < span.end; p += RowPatch::kMostRows)
-      if (!add(p, q, std::min<std::int64_t>(RowPatch::kMostRows, span.end - p), 1)) return false;
+  // What is rounded to float is off by this much.
+  const double slack = slack_ + 0x1p-23 * std::max(double{triangles.most[1][n]}, double{triangles.most[2][n]});
+  for (std::int32_t q = 0; q < planes; ++q) {
+    const ScanSpan span = span_in_plane(triangles, n, q, slack, columns);
+    for (std::int32_t p = span.begin; p < span.end; p += RowStrip::kMostRows)
+      if (!add_strip({n, p, q, std::min(RowStrip::kMostRows, span.end - p), 1}, batch)) return false;
   }
   return true;
 }
 
 bool RowScan::finish(Batch& batch) const {
   CrossedRows& found = batch.found;
-  kernels_->cross_rows(batch.patches.data(), batch.count, found);
-  batch.count = 0;
+  kernels_->cross_rows(batch.triangles, batch.strips.data(), batch.strip_count, batch.space, found);
+  batch.strip_count = 0;
   for (int n = 0; n < found.count;) {
-    const std::ptrdiff_t room = std::min<std::ptrdiff_t>(found.count - n, CrossingList::kMostAtOnce);
-    if (!batch.list.make_room(room)) return false;
-    for (const int end = n + static_cast<int>(room); n < end; ++n) {
-      const std::uint32_t which = found.row[n] / RowPatch::kMostRows;
-      const Place& place = batch.places[which];
-      const auto [j, k] = batch.row_of(found.row[n]);
-      const std::int64_t past = std::max<std::int64_t>(0, place.base + static_cast<std::int64_t>(found.past[n]));
-      batch.add_crossing(j, k, past, found.leaves[which] != (mesh_.use_of(place.triangle) > 0), past < x_.size());
-    }
+    const int end = std::min(found.count, n + static_cast<int>(CrossingList::kMostAtOnce));
+    FoundCrossing* to = batch.list.add(end - n);
+    if (!to) return false;
+    for (; n < end; ++n, ++to)
+      *to = FoundCrossing::make(static_cast<std::uint32_t>(static_cast<std::int32_t>(found.row[n])),
+                                static_cast<std::uint32_t>(static_cast<std::int32_t>(found.past[n])));
   }
   for (int n = 0; n < found.unsure_count; ++n) {
-    const std::size_t triangle = batch.places[found.unsure[n] / RowPatch::kMostRows].triangle;
-    const auto [j, k] = batch.row_of(found.unsure[n]);
+    const RowStrip& strip = batch.strips[found.unsure[n] / RowStrip::kMostRows];
+    const auto row = static_cast<std::int32_t>(found.unsure[n] % RowStrip::kMostRows);
+    const auto [j, k] = batch.row_of(strip.triangle, strip.p + row % strip.width, strip.q + row / strip.width);
+    const std::size_t triangle = batch.numbers[static_cast<std::size_t>(strip.triangle)];
     if (!add_exactly(triangle, mesh_.mesh.corners(triangle), j, k, batch)) return false;
   }
   return true;
 }
 
-bool RowScan::add_all_exactly(std::size_t triangle, const RowWindow& window, Batch& batch) const {
+bool RowScan::add_all_exactly(std::size_t triangle, Batch& batch) const {
   if (mesh_.use_of(triangle) == 0) return true;
   const std::array<Vec3, 3> t = mesh_.mesh.corners(triangle);
-  const std::int64_t j = std::max(window.begin[0], y_.first_from(least(t[0].y, t[1].y, t[2].y))),
-                     k = std::max(window.begin[1], z_.first_from(least(t[0].z, t[1].z, t[2].z)));
-  return add_rows({triangle, 0, j, k},
-                  {std::min(window.end[0], y_.first_from(largest(t[0].y, t[1].y, t[2].y))) - j,
-                   std::min(window.end[1], z_.first_from(largest(t[0].z, t[1].z, t[2].z))) - k},
-                  batch);
+  const auto [low_y, high_y] = std::minmax({t[0].y, t[1].y, t[2].y});
+  const auto [low_z, high_z] = std::minmax({t[0].z, t[1].z, t[2].z});
+  const RowWindow& window = batch.window;
+  return add_rows_exactly(
+      triangle,
+      {{std::max(window.begin[0], y_.first_from(low_y)), std::max(window.begin[1], z_.first_from(low_z))},
+       {std::min(window.end[0], y_.first_from(high_y)), std::min(window.end[1], z_.first_from(high_z))}},
+      batch);
 }
 
-bool RowScan::add_rows(const Place& place, const Extent& rows, Batch& batch) const {
-  const std::array<Vec3, 3> corners = mesh_.mesh.corners(place.triangle);
-  for (std::int64_t q = 0; q < rows.planes; ++q)
-    for (std::int64_t p = 0; p < rows.columns; ++p)
-      if (!add_exactly(place.triangle, corners, place.j + p, place.k + q, batch)) return false;
+bool RowScan::add_rows_exactly(std::size_t triangle, const RowWindow& rows, Batch& batch) const {
+  const std::array<Vec3, 3> corners = mesh_.mesh.corners(triangle);
+  for (std::int64_t k = rows.begin[1]; k < rows.end[1]; ++k)
+    for (std::int64_t j = rows.begin[0]; j < rows.end[0]; ++j)
+      if (!add_exactly(triangle, corners, j, k, batch)) return false;
   return true;
 }
 
@@ -318,9 +254,7 @@ bool RowScan::add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corne
     return ray.is_past({x_.at(n), y, z}, crossing);
   });
   if (past == x_.size()) return true;
-  if (!batch.list.make_room(1)) return false;
-  batch.add_crossing(j, k, past, crossing * mesh_.use_of(triangle) < 0, true);
-  return true;
+  return batch.add_crossing(j, k, past, crossing * mesh_.use_of(triangle) < 0);
 }
 
 }  // namespace standoff

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/progress.h"
@@ -24,16 +25,16 @@ struct FoundCrossing {
   static constexpr int kRowBits = 23, kPastBits = 40;
   std::uint64_t bits;
 
-  /// `row`: 64 * row of tiles + row in the tile (y + 8 z). Rows of tiles are numbered ty + tiles_y * tz, from the
-  /// window's first one.
-  static FoundCrossing make(std::uint64_t row, std::uint64_t past, bool enters) {
-    return {row << (kPastBits + 1) | past << 1 | std::uint64_t{enters}};
+  /// `directed_row`: 2 * row + (whether the row enters the solid). `past`: the first sample past the triangle.
+  static FoundCrossing make(std::uint64_t directed_row, std::uint64_t past) {
+    return {directed_row << kPastBits | past};
   }
+  /// 64 * row of tiles + row in the tile (y + 8 z). Rows of tiles are numbered ty + tiles_y * tz, from the window's
+  /// first one.
   std::uint64_t row() const { return bits >> (kPastBits + 1); }
-  /// The first sample past the triangle.
-  std::uint64_t past() const { return bits << kRowBits >> (kRowBits + 1); }
+  std::uint64_t past() const { return bits & ((std::uint64_t{1} << kPastBits) - 1); }
   /// Whether the row enters the solid there, or else leaves it.
-  bool enters() const { return (bits & 1) != 0; }
+  bool enters() const { return (bits >> kPastBits & 1) != 0; }
 };
 
 /// The number of blocks that all threads together may still take.
@@ -57,12 +58,10 @@ class CrossingList {
   /// The progress can end the work at each block.
   CrossingList(BlockBudget& budget, ProgressMeter& progress) : budget_(&budget), progress_(&progress) {}
 
-  /// Makes room for `count` more, at most kMostAtOnce; false if the budget is spent.
-  bool make_room(std::ptrdiff_t count) { return end_ - next_ >= count || take_block(); }
-  /// Adds a crossing if it counts, without a branch, which would often be predicted wrongly. Requires room.
-  void add(const FoundCrossing& crossing, bool counts) {
-    *next_ = crossing;
-    next_ += counts;
+  /// Adds `count` crossings, at most kMostAtOnce, and returns the first one, to be filled; null if the budget is spent.
+  FoundCrossing* add(std::ptrdiff_t count) {
+    if (end_ - next_ < count && !take_block()) return nullptr;
+    return std::exchange(next_, next_ + count);
   }
   /// Calls use(crossings) for each block.
   template <class Use>
@@ -109,24 +108,17 @@ class RowScan {
 
  private:
   struct Batch;
-  // The number of rows along y and along z.
-  struct Extent {
-    std::int64_t columns, planes;
-  };
-  // The place of a patch.
-  struct Place {
-    std::size_t triangle;
-    std::int64_t base, j, k;  // the sample where x = 0, and the first row
-  };
 
   template <bool kPacked>
   bool scan_filtered(std::size_t first, std::size_t end, Batch& batch) const;
-  bool add_strips(const cpu::RowPatch& patch, const Extent& rows, const Place& place, Batch& batch) const;
-  bool add_rows(const Place& place, const Extent& rows, Batch& batch) const;
-  bool add_all_exactly(std::size_t triangle, const RowWindow& window, Batch& batch) const;
+  bool add_triangles(Batch& batch) const;
+  bool add_strips(int n, Batch& batch) const;
+  bool add_strip(const cpu::RowStrip& strip, Batch& batch) const;
+  bool finish(Batch& batch) const;
+  bool add_all_exactly(std::size_t triangle, Batch& batch) const;
+  bool add_rows_exactly(std::size_t triangle, const RowWindow& rows, Batch& batch) const;
   bool add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corners, std::int64_t j, std::int64_t k,
                    Batch& batch) const;
-  bool finish(Batch& batch) const;
 
   OrientedMesh mesh_;
   Grid grid_;
