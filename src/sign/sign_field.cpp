@@ -36,11 +36,12 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
   const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
-  for_each_row_of_tiles(signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-    const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
-    for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
-      sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, field);
-  });
+  for_each_row_of_tiles(
+      signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
+        const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
+        for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
+          sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, field);
+      });
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {

@@ -57,8 +57,9 @@ void InsideRows::begin_steps() {
 }
 
 void InsideRows::finish_steps(WindingRule rule) {
-  const auto [first, end] = cpu::sign_kernels_for(Simd::automatic)
-                                .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
+  const auto [first, end] =
+      cpu::sign_kernels_for(Simd::automatic)
+          .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
   first_tile_ = begin_ + first;
   end_of_tiles_ = begin_ + end;
   // Put all beyond the grid outside.

@@ -128,8 +128,8 @@ class InsideRows {
   std::int64_t begin_;                            // the first tile that is held
   std::int64_t rows_y_ = kSide, rows_z_ = kSide;  // of the tiles, within the grid
   std::int64_t first_tile_ = 0, end_of_tiles_ = 0;
-  std::vector<std::uint8_t> bits_;  // by tile, then by row
-  std::vector<std::int8_t> steps_;  // by sample, then by row
+  std::vector<std::uint8_t> bits_;        // by tile, then by row
+  std::vector<std::int8_t> steps_;        // by sample, then by row
   std::vector<std::uint8_t> is_stepped_;  // by tile
 };
 

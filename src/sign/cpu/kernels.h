@@ -13,12 +13,12 @@ namespace standoff::cpu {
 /// The rows of a grid along x, and a window of them. Axis 0 is x; y and z count rows.
 struct RowSpace {
   double origin[3], spacing[3], per_spacing[3];
-  double first[3];        ///< the number that the grid's first sample has
-  double size_x;          ///< samples of a row
+  double first[3];          ///< the number that the grid's first sample has
+  double size_x;            ///< samples of a row
   double begin[3], end[3];  ///< the window, along y and z
-  double tile[3];         ///< the first row of the window's first tile, along y and z
-  float tiles_y;          ///< tiles of the grid along y
-  double slack;           ///< the most that coordinates in samples may be off by, beside their rounding to float
+  double tile[3];           ///< the first row of the window's first tile, along y and z
+  float tiles_y;            ///< tiles of the grid along y
+  double slack;             ///< the most that coordinates in samples may be off by, beside their rounding to float
 };
 
 /// The search for rows takes a corner to be off by this much, in samples: far more than by rounding.
@@ -40,17 +40,17 @@ struct RowTriangles {
   /// Rows have fewer samples, so that float has the number of each.
   static constexpr std::int64_t kMostSamples = 1 << 24;
 
-  std::uint64_t any;             ///< a bit for each triangle that may cross rows; the others have no values
-  std::uint64_t fits;            ///< a bit for each of these whose coordinates are below kMostCoordinate
-  std::int32_t rows[3][kMost];   ///< along y and z
-  float first[3][kMost];         ///< the first row along y and z, from the window's first tile
-  float at[3][3][kMost];         ///< axis, corner, triangle: x, p along y, q along z
-  float most[3][kMost];          ///< bounds the coordinates of corners and rows; at least 1 along x, and `slack`
+  std::uint64_t any;            ///< a bit for each triangle that may cross rows; the others have no values
+  std::uint64_t fits;           ///< a bit for each of these whose coordinates are below kMostCoordinate
+  std::int32_t rows[3][kMost];  ///< along y and z
+  float first[3][kMost];        ///< the first row along y and z, from the window's first tile
+  float at[3][3][kMost];        ///< axis, corner, triangle: x, p along y, q along z
+  float most[3][kMost];         ///< bounds the coordinates of corners and rows; at least 1 along x, and `slack`
   float base[kMost];
-  float side[3][3][kMost];       ///< of each side: E = side[0] + side[1] p + side[2] q
-  float plane[3][kMost];         ///< x = plane[0] + plane[1] p + plane[2] q
+  float side[3][3][kMost];                      ///< of each side: E = side[0] + side[1] p + side[2] q
+  float plane[3][kMost];                        ///< x = plane[0] + plane[1] p + plane[2] q
   float side_bound[kMost], plane_bound[kMost];  ///< bound their errors
-  float enters[kMost];           ///< 1 where rows enter the solid there, along +x; else 0
+  float enters[kMost];                          ///< 1 where rows enter the solid there, along +x; else 0
 };
 
 /// Some rows of a triangle: a rectangle of them.
@@ -126,7 +126,7 @@ struct SignKernels {
   /// changes of the winding number, by sample, then by row, which are 0 in tiles that are not stepped; resets both.
   /// Returns the range of the tiles that have samples inside.
   TileRange (*mark_inside)(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
-                              std::uint8_t* inside);
+                           std::uint8_t* inside);
   /// Negates the values whose bit is set; a byte has the bits of eight values, the first one in its lowest bit. Zero
   /// stays zero: a sample on the surface has no side.
   void (*negate)(const std::uint8_t* inside, std::int64_t count, float* values);

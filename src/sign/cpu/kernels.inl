@@ -132,8 +132,7 @@ STANDOFF_INLINE void set_up_sixteen(int n, double slack, RowTriangles& t) {
   x_0.store(t.plane[0] + n);
   x_p.store(t.plane[1] + n);
   x_q.store(t.plane[2] + n);
-  const WideFloat of_minors =
-      WideFloat(8 * kRounding) * most_x * wh + WideFloat(64.0f) * s * (wh + most_x * w_h);
+  const WideFloat of_minors = WideFloat(8 * kRounding) * most_x * wh + WideFloat(64.0f) * s * (wh + most_x * w_h);
   (of_minors * abs(per_area) + WideFloat(0x1p-20f) * (abs(x_0) + abs(x_p) * most_p + abs(x_q) * most_q + most_x) + s)
       .store(t.plane_bound + n);
 }
@@ -176,8 +175,9 @@ STANDOFF_INLINE void cross_strip(const RowTriangles& triangles, const RowStrip& 
     WideFloat at_0, of_p, of_q;
     STANDOFF_INLINE WideFloat at(const WideFloat& p, const WideFloat& q) const { return of_q * q + at_0 + of_p * p; }
   };
-  const auto linear = [&](const float(&all)[3][RowTriangles::kMost])
-      __attribute__((always_inline)) { return Linear{of(all[0]), of(all[1]), of(all[2])}; };
+  const auto linear = [&](const float(&all)[3][RowTriangles::kMost]) __attribute__((always_inline)) {
+    return Linear{of(all[0]), of(all[1]), of(all[2])};
+  };
   const Linear side0 = linear(triangles.side[0]), side1 = linear(triangles.side[1]), side2 = linear(triangles.side[2]),
                plane = linear(triangles.plane);
   const WideFloat bound = of(triangles.side_bound), x_bound = of(triangles.plane_bound), base = of(triangles.base);
@@ -205,7 +205,8 @@ STANDOFF_INLINE void cross_strip(const RowTriangles& triangles, const RowStrip& 
     const WideFloat j = first_j + p, k = first_k + q;
     const WideFloat in_layer = WideFloat(2.0f) * j + WideFloat(112.0f) * tile_of(j) + enters;
     store_packed(found.past + found.count, counts, past);
-    const int n = store_packed(found.row + found.count, counts, in_layer + WideFloat(16.0f) * k + per_layer * tile_of(k));
+    const int n =
+        store_packed(found.row + found.count, counts, in_layer + WideFloat(16.0f) * k + per_layer * tile_of(k));
     found.count += n;
     if (unsure.to_bits() != 0)
       found.unsure_count += store_packed(found.unsure + found.unsure_count, unsure,
@@ -347,18 +348,21 @@ STANDOFF_INLINE TileRange mark_by(std::int8_t* steps, std::uint8_t* is_stepped, 
 }
 
 TileRange mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t tiles, WindingRule rule,
-                         std::uint8_t* inside) {
+                      std::uint8_t* inside) {
   using Bytes = WideWinding::Bytes;
   const auto by = [&](const auto& mark) __attribute__((always_inline)) {
     return mark_by(steps, is_stepped, tiles, inside, mark);
   };
   switch (rule) {
     case WindingRule::positive:
-      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= (w > 0) & bits; });
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to)
+                    __attribute__((always_inline)) { to |= (w > 0) & bits; });
     case WindingRule::nonzero:
-      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= (w != 0) & bits; });
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to)
+                    __attribute__((always_inline)) { to |= (w != 0) & bits; });
     case WindingRule::odd:
-      return by([](const Bytes& w, std::int8_t bits, Bytes& to) __attribute__((always_inline)) { to |= -(w & 1) & bits; });
+      return by([](const Bytes& w, std::int8_t bits, Bytes& to)
+                    __attribute__((always_inline)) { to |= -(w & 1) & bits; });
   }
   return {};
 }
@@ -384,7 +388,11 @@ void negate(const std::uint8_t* inside, std::int64_t count, float* values) {
 
 }  // namespace
 
-constexpr SignKernels kTable{.find_rows = find_rows, .cross_rows = cross_rows, .add_solid_angles = add_solid_angles, .mark_inside = mark_inside, .negate = negate};
+constexpr SignKernels kTable{.find_rows = find_rows,
+                             .cross_rows = cross_rows,
+                             .add_solid_angles = add_solid_angles,
+                             .mark_inside = mark_inside,
+                             .negate = negate};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
 

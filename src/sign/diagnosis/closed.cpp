@@ -142,8 +142,8 @@ EdgeSums& EdgeSums::operator-=(const EdgeSums& other) {
 
 namespace {
 
-// Disjoint sets of vertices, joined by triangles. A link always leads to a lower vertex, so the lowest vertex represents
-// its set in the end, whatever the threads do.
+// Disjoint sets of vertices, joined by triangles. A link always leads to a lower vertex, so the lowest vertex
+// represents its set in the end, whatever the threads do.
 class VertexSets {
  public:
   explicit VertexSets(MeshView mesh) : link_(mesh.vertices.size()) {
