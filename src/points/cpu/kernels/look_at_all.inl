@@ -12,8 +12,8 @@ namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
 
 // Boxes are grown by the rounding error of coordinates; this share covers the arithmetic of box and bound. Of points
-// that are not near (TriangleIndex::is_near) it also covers the rounding of their coordinates, which is at most 2^-22 of
-// their distance from any box.
+// that are not near (TriangleIndex::is_near) it also covers the rounding of their coordinates, which is at most 2^-22
+// of their distance from any box.
 constexpr float kBoxShare = 1 - 0x1p-20f;
 
 // A node whose children are being visited.
