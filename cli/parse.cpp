@@ -73,6 +73,12 @@ std::optional<Thickness> finite_thickness(std::string_view text) {
   return Thickness{*value, in_samples};
 }
 
+// The axis stands behind the first three numbers.
+void expect_axis(std::span<const double> v) {
+  if (v[3] == 0 && v[4] == 0 && v[5] == 0)
+    throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
+}
+
 double at_most(const std::string& option, const std::string& text, double value, double most) {
   if (value > most) reject(option, text, "must be at most " + number(most));
   return value;
@@ -247,12 +253,10 @@ std::vector<int> parse_devices(const std::string& option, const std::string& tex
   std::vector<int> devices;
   if (colon == std::string::npos) return devices;
   if (!info.has_devices) reject(option, text, "only a GPU takes a number, as in cuda:1");
-  for (std::size_t from = colon + 1; from != 0;) {
-    const std::size_t comma = text.find(',', from);
-    const auto number = whole_text<int>(std::string_view(text).substr(from, comma - from));
+  for (const std::string& part : parts(text.substr(colon + 1))) {
+    const auto number = whole_text<int>(part);
     if (!number || *number < 0) reject(option, text, "give the number of a GPU, from 0 on; see `standoff devices`");
     devices.push_back(*number);
-    from = comma == std::string::npos ? 0 : comma + 1;
   }
   return devices;
 }
@@ -304,8 +308,7 @@ std::vector<double> parse_screw(const std::string& option, const std::string& te
     std::vector<double> numbers = numbers_in(text);
     if (numbers.size() == 7) numbers.push_back(0);
     if (numbers.size() != 8) throw Error(ErrorCode::usage, "give seven numbers or eight: x,y,z,ax,ay,az,degrees,along");
-    if (numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
-      throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
+    expect_axis(numbers);
     return numbers;
   });
 }
@@ -319,8 +322,7 @@ Pose pose_of(std::span<const double> v) {
   if (v.size() == 3) {
     pose.translation = {v[0], v[1], v[2]};
   } else if (v.size() == 7) {
-    if (v[3] == 0 && v[4] == 0 && v[5] == 0)
-      throw Error(ErrorCode::usage, "the axis has no direction; one of its numbers must not be zero");
+    expect_axis(v);
     pose = make_pose({v[3], v[4], v[5]}, std::fmod(v[6], 360) * std::numbers::pi / 180, {v[0], v[1], v[2]});
   } else if (v.size() == 12) {
     for (std::size_t n = 0; n < 9; ++n) pose.rotation[n] = v[n / 3 * 4 + n % 3];

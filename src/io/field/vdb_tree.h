@@ -47,12 +47,7 @@ struct Mask {
   std::span<const std::byte> bytes() const { return std::as_bytes(std::span(words)); }
 };
 
-/// The number of a child in its node.
-template <int log>
-constexpr std::size_t child_number(std::int64_t x, std::int64_t y, std::int64_t z) {
-  return static_cast<std::size_t>((x << 2 * log) + (y << log) + z);
-}
-/// The child's place in its node, in children.
+/// A child's place in its node, in children, by its number: z counts fastest.
 template <int log>
 constexpr Size3 child_place(std::size_t n) {
   constexpr std::size_t kLast = (std::size_t{1} << log) - 1;
