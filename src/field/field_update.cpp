@@ -247,7 +247,7 @@ void FieldUpdate::check_windows() const {
   // Other backends also compute tiles beside dirty ones.
   const double computed = plan_->row->backend == Backend::cpu ? static_cast<double>(dirty_->count()) : tiles;
   const auto needed = [&](const ReachCounts& counts) {
-    return static_cast<double>(bytes_needed(*plan_, counts, {})) +
+    return static_cast<double>(bytes_needed(*plan_, counts, {.boundary = std::ssize(sign_.boundary.edges)})) +
            field_bytes(std::min(counts.tiles, computed), tiles, field_.has_nearest());
   };
   if (needed({}) <= limit) return;

@@ -360,20 +360,20 @@ constexpr std::int64_t kTask = 4096;
 // Answers up to a group of points, each by itself.
 void answer_alone(const TriangleIndex& index, const PointKernels& kernels, std::span<const Vec3> points,
                   std::span<NearestTriangle> out) {
-  std::array<Vec3, PointGroup::kMost> in_float;
-  std::array<std::size_t, PointGroup::kMost> number;
-  std::size_t count = 0;
-  for (std::size_t n = 0; n < points.size(); ++n)
-    if (index.is_in_float(index.local(points[n])))
-      in_float[count] = points[n], number[count++] = n;
-    else
-      out[n] = nearest_triangle(index.bvh(), index.mesh(), points[n]);
-  if (count == 0) return;
-  PointGroup group;
-  PairTable table;
-  fill_group(index, std::span(in_float).first(count), group);
-  kernels.look_at_all(index.tree(), group, table);
-  for (std::size_t n = 0; n < count; ++n) out[number[n]] = answer_of(group, static_cast<int>(n));
+  const auto is_in_float = [&](const Vec3& point) { return index.is_in_float(index.local(point)); };
+  for (std::size_t first = 0, end; first < points.size(); first = end) {
+    end = first + 1;
+    if (!is_in_float(points[first])) {
+      out[first] = nearest_triangle(index.bvh(), index.mesh(), points[first]);
+      continue;
+    }
+    while (end < points.size() && is_in_float(points[end])) ++end;
+    PointGroup group;
+    PairTable table;
+    fill_group(index, points.subspan(first, end - first), group);
+    kernels.look_at_all(index.tree(), group, table);
+    for (std::size_t n = first; n < end; ++n) out[n] = answer_of(group, static_cast<int>(n - first));
+  }
 }
 
 // Answers each point by itself, in the caller's order.

@@ -83,7 +83,7 @@ struct FoundTriangles {
 void find_nearest(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
                   FoundTriangles& found, ProgressMeter& progress);
 
-/// The same for points that are too far away to share candidates: each is searched for by itself.
+/// The same, but each point is searched for by itself: for points too far away to share candidates.
 void find_each(const TriangleIndex& index, const cpu::PointKernels& kernels, std::span<const Vec3> points,
                std::span<NearestTriangle> out, ProgressMeter& progress);
 

@@ -79,16 +79,22 @@ std::vector<float> winding_margins(MeshView mesh, const Grid& grid, const Confid
     const SignPlan plan = plan_sign(mesh, by_winding, meter);
     if (plan.boundary.edges.empty()) return;
     const auto caps = std::make_shared<const Caps>(plan.boundary, meter);
-    const OpenWinding winding({mesh, plan.use}, caps, grid, WindingRule::positive, meter);
-    tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, grid.size.y * grid.size.z, 16), [&](const auto& range) {
-      WorkCheck check(meter, kLooks);
-      for (std::int64_t row = range.begin(); row != range.end(); ++row)
-        for (std::int64_t i = 0; i < grid.size.x; ++i) {
-          const double w = winding.winding_number(i, row % grid.size.y, row / grid.size.y, kMarginError, check);
-          const double margin = std::max(0.0, 0.5 - std::abs(w - std::round(w)));
-          margins[static_cast<std::size_t>(row * grid.size.x + i)] = static_cast<float>(margin);
-        }
-    });
+    OpenWinding winding({mesh, plan.use}, caps, grid, WindingRule::positive, meter);
+    const std::int64_t tiles_y = tiles_along(grid.size.y), rows_of_tiles = tiles_y * tiles_along(grid.size.z);
+    for (std::int64_t first = 0, end; first < rows_of_tiles; first = end) {
+      end = winding.load(first);
+      tbb::parallel_for(first, end, [&](std::int64_t tiles) {
+        WorkCheck check(meter, kLooks);
+        const std::int64_t low_y = kTileSide * (tiles % tiles_y), low_z = kTileSide * (tiles / tiles_y);
+        for (std::int64_t k = low_z; k < std::min(low_z + kTileSide, grid.size.z); ++k)
+          for (std::int64_t j = low_y; j < std::min(low_y + kTileSide, grid.size.y); ++j)
+            for (std::int64_t i = 0; i < grid.size.x; ++i) {
+              const double w = winding.winding_number(i, j, k, kMarginError, check);
+              const double margin = std::max(0.0, 0.5 - std::abs(w - std::round(w)));
+              margins[static_cast<std::size_t>(grid.index(i, j, k))] = static_cast<float>(margin);
+            }
+      });
+    }
   });
   meter.stage("done", 1, 1, 1);
   return margins;

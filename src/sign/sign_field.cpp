@@ -18,7 +18,8 @@ namespace standoff {
 namespace {
 
 // Gives a tile the signs of tile `at_rows` of the rows.
-void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, DistanceField& field) {
+void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, const cpu::SignKernels& kernels,
+               DistanceField& field) {
   if (rows.is_empty(at_rows)) return;
   const bool is_stored = field.tile(at.x, at.y, at.z).has_value();
   if (!is_stored && rows.is_full(at_rows)) return field.mark_inside(at.x, at.y, at.z);
@@ -27,12 +28,13 @@ void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, Di
     std::ranges::fill(values, static_cast<float>(field.thickness()));
     if (field.has_nearest()) std::ranges::fill(field.store_nearest(at.x, at.y, at.z), kNoTriangle);
   }
-  cpu::sign_kernels_for(Simd::automatic).negate(rows.tile(at_rows).data(), kTileSamples, values.data());
+  kernels.negate(rows.tile(at_rows).data(), kTileSamples, values.data());
 }
 
 }  // namespace
 
 void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField& field, ProgressMeter& progress) {
+  const cpu::SignKernels& kernels = cpu::sign_kernels_for(Simd::automatic);
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
   const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
@@ -40,7 +42,7 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
       signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
         const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
         for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
-          sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, field);
+          sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, kernels, field);
       });
 }
 

@@ -137,7 +137,8 @@ template <class Crossing>
 bool InsideRows::mark_between(std::span<const Crossing> crossings, WindingRule rule) {
   if (crossings.empty()) return true;
   begin_steps();
-  std::array<std::int32_t, kRows> most{};  // bounds the winding numbers of each row
+  // Winding numbers of a row are from -leaves to enters. Odd ones stay odd where a byte overflows.
+  std::array<std::int64_t, kRows> enters{}, leaves{};
   // Bytes may be anything to a compiler, also the members: copy these.
   std::int8_t* const steps = steps_.data();
   std::uint8_t* const is_stepped = is_stepped_.data();
@@ -149,9 +150,10 @@ bool InsideRows::mark_between(std::span<const Crossing> crossings, WindingRule r
     const auto n = static_cast<std::size_t>(from - begin);
     is_stepped[n / kSide] = 1;
     steps[kRows * n + row] = static_cast<std::int8_t>(steps[kRows * n + row] + crossing.step());
-    most[row] += std::abs(crossing.step());
+    (crossing.step() > 0 ? enters : leaves)[row] += std::abs(crossing.step());
   }
-  if (std::ranges::max(most) > std::numeric_limits<std::int8_t>::max()) {
+  if (rule != WindingRule::odd &&
+      std::max(std::ranges::max(enters), std::ranges::max(leaves)) > std::numeric_limits<std::int8_t>::max()) {
     drop_steps();
     return false;
   }

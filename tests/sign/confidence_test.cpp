@@ -43,6 +43,22 @@ TEST(Confidence, MarginsAreTheDistanceOfTheWindingNumberFromOddHalves) {
   EXPECT_LT(least, 0.3);
 }
 
+// Crossings of at most 2^17 rows of tiles are held at once.
+TEST(Confidence, MarginsOfMoreRowsThanAreHeldAtOnce) {
+  const Grid grid{{1, 2904, 2904}, {}, {1, 1, 1}};
+  const Mesh sheet{{{-0.5, 2890, 2890}, {0.7, 2910, 2890}, {0.4, 2895, 2915}}, {{0, 1, 2}}};
+  const std::vector<float> margins = winding_margins(sheet, grid, {.sign = {.as_oriented = true}});
+  double least = 1;
+  for (std::int64_t k = 2880; k < 2904; ++k)
+    for (std::int64_t j = 2880; j < 2904; ++j) {
+      const double w = testing::winding_number(sheet, grid.position(0, j, k));
+      const double found = margins[static_cast<std::size_t>(grid.index(0, j, k))];
+      least = std::min(least, found);
+      EXPECT_NEAR(found, 0.5 - std::abs(w - std::round(w)), 1.1e-3) << j << ' ' << k;
+    }
+  EXPECT_LT(least, 0.1);
+}
+
 TEST(Confidence, OfClosedMeshesIsComplete) {
   const Mesh ball = testing::sphere(8);
   EXPECT_TRUE(std::ranges::all_of(winding_margins(ball, kConfidenceGrid), [](float margin) { return margin == 0.5f; }));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops of the sign, compiled once per instruction set (kernels_*.cpp) and chosen at run time: which rows of
-// samples cross a triangle, in single precision; sums of solid angles of many triangles, in float; and negation.
+// samples cross a triangle, in single precision; sums of solid angles of many triangles, in float;
+// sums of winding numbers along rows; and negation.
 #pragma once
 
 #include <cstdint>

@@ -345,8 +345,10 @@ Nesting find_nesting(const OrientedMesh& mesh, std::span<const std::uint32_t> pa
   for (std::uint32_t& number : numbers)  // what contains nothing need not be met
     if (number != Nesting::kNone && candidates.innermost[number] != 0) number = Nesting::kNone;
   const PartCrossings crossings(mesh, numbers, order);
-  // A quarter of the triangles, so that crossings take little beside the edges of the mesh. The part is a choice.
-  const auto most_crossings = static_cast<std::int64_t>(std::max(part_of.size() / 4, std::size_t{1} << 14));
+  // A quarter of the triangles, so that crossings take little beside the edges of the mesh; never more than triangles
+  // (diagnosis_bytes.cpp). The part is a choice.
+  const auto most_crossings =
+      static_cast<std::int64_t>(std::max(part_of.size() / 4, std::min(part_of.size(), std::size_t{1} << 14)));
   Votes votes(crossings, order, most_crossings, most_tests - candidates.tests);
   for (const std::vector<PartPoint>& points : all_points)
     if (!votes.vote(points, candidates.innermost)) {

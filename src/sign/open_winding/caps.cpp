@@ -32,10 +32,6 @@ Vec3 point_amid(std::span<const Vec3> corners) {
   return corners[0] + sum * (1 / weights);
 }
 
-}  // namespace
-
-namespace {
-
 constexpr std::size_t kArc = 8, kUncut = 32;  // edges
 
 // The arcs that a polygon of so many corners is cut into.

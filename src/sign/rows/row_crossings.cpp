@@ -209,12 +209,12 @@ std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid,
 
 namespace {
 
-// For one row, whose winding numbers may need more than a byte.
+// For the crossings of one row, whose winding numbers may need more than a byte.
 void fill_row(std::span<const RowCrossing> crossings, int row, WindingRule rule, InsideRows& rows) {
   const std::int64_t first = kTileSide * rows.tiles_begin(), end = rows.size().x;
   std::vector<std::int32_t> steps(static_cast<std::size_t>(end - first));
   for (const RowCrossing& crossing : crossings)
-    if (crossing.row() == row && crossing.past() < end)
+    if (crossing.past() < end)
       steps[static_cast<std::size_t>(std::max(crossing.past(), first) - first)] += crossing.step();
   std::int32_t winding = 0;
   std::int64_t begin = first;  // of the samples with this winding number
@@ -232,10 +232,15 @@ void fill_row(std::span<const RowCrossing> crossings, int row, WindingRule rule,
 
 void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
   if (rows.mark_between(crossings, rule)) return;
-  std::array<bool, kTileRows> is_crossed{};
-  for (const RowCrossing& crossing : crossings) is_crossed[static_cast<std::size_t>(crossing.row())] = true;
-  for (int row = 0; row < kTileRows; ++row)
-    if (is_crossed[static_cast<std::size_t>(row)]) fill_row(crossings, row, rule, rows);
+  std::vector<RowCrossing> by_row(crossings.begin(), crossings.end());
+  std::ranges::sort(by_row, {}, &RowCrossing::row);
+  for (std::size_t first = 0; first < by_row.size();) {
+    const int row = by_row[first].row();
+    std::size_t end = first;
+    while (end < by_row.size() && by_row[end].row() == row) ++end;
+    fill_row(std::span(by_row).subspan(first, end - first), row, rule, rows);
+    first = end;
+  }
 }
 
 }  // namespace standoff
