@@ -46,7 +46,8 @@ namespace {
 bool is_winding(SignMethod method) { return method == SignMethod::winding || method == SignMethod::automatic; }
 
 SignMemory memory_of(const MeshCounts& mesh, const SignOptions& options) {
-  const std::int64_t boundary = mesh.most_boundary(options.as_oriented), kept = kept_bytes(mesh.triangles, boundary);
+  const std::int64_t boundary = mesh.most_boundary(options.as_oriented),
+                     kept = kept_plan_bytes(mesh.triangles, boundary);
   SignMemory memory{diagnosis_bytes(mesh, options.as_oriented), kept, is_winding(options.method) ? boundary : 0};
   // Both orientations are in memory, that of the diagnosis and the mesh's own.
   if (options.as_oriented) memory.planning += kept;

@@ -253,10 +253,11 @@ std::int64_t two_sided_bytes(const MeshCounts& m, std::int64_t boundary) {
 }
 
 // After the orientation: the boundary and its polygons, and cracks.
-std::int64_t boundary_bytes(std::int64_t boundary) { return 140 * boundary + 68 * boundary; }
+std::int64_t boundary_bytes(std::int64_t boundary) { return (140 + kBoundaryEdgeBytes) * boundary; }
 std::int64_t cracks_bytes(const MeshCounts& m, std::int64_t boundary) {
   const std::int64_t edges = m.open + m.nonmanifold, points = std::min(2 * edges, m.positions);
-  return 68 * boundary + 4 * m.positions + 12 * edges + 32 * points + std::max(76 * points, 12 * m.triangles);
+  return kBoundaryEdgeBytes * boundary + 4 * m.positions + 12 * edges + 32 * points +
+         std::max(76 * points, 12 * m.triangles);
 }
 
 }  // namespace

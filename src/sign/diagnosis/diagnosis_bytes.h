@@ -38,7 +38,11 @@ MeshCounts most_counts(std::int64_t triangles, int threads);
 /// The most bytes that MeshEdges and diagnose() hold. What find_nesting() keeps of bodies that pass through each other
 /// is not bounded by these counts.
 std::int64_t diagnosis_bytes(const MeshCounts& mesh, bool as_oriented);
+/// The most bytes that a Boundary takes for each of its edges.
+inline constexpr std::int64_t kBoundaryEdgeBytes = 68;
 /// The bytes of what a plan keeps: an orientation, and a boundary of so many edges.
-constexpr std::int64_t kept_bytes(std::int64_t triangles, std::int64_t boundary) { return triangles + 68 * boundary; }
+constexpr std::int64_t kept_plan_bytes(std::int64_t triangles, std::int64_t boundary) {
+  return triangles + kBoundaryEdgeBytes * boundary;
+}
 
 }  // namespace standoff

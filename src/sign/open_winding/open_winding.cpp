@@ -195,11 +195,9 @@ class RowOfTiles {
   std::int64_t doubtful_ = 0;
 };
 
-}  // namespace
-
-namespace {
 constexpr std::int64_t kCapCrossingBytes = 1 << 18;  // a choice
-}
+
+}  // namespace
 
 OpenWinding::OpenWinding(const OrientedMesh& mesh, std::shared_ptr<const Caps> caps, const Grid& grid, WindingRule rule,
                          ProgressMeter& progress, std::int64_t bytes)
