@@ -15,6 +15,7 @@
 #include "standoff/export.h"
 #include "standoff/field.h"
 #include "standoff/grid.h"
+#include "standoff/sign.h"
 
 struct CUstream_st;
 
@@ -51,6 +52,8 @@ struct DeviceOutput {
 /// The result of a task. The GPU writes it to device memory; copy it to the host and call check().
 struct Outcome {
   static constexpr unsigned long long kNone = ~0ull, kNoSeeds = ~1ull, kNoPlace = ~2ull, kNoOrder = ~3ull;
+  /// Bits of `doubts`.
+  static constexpr unsigned long long kOpen = 1, kNotOutwards = 2, kTooDeep = 4;
   unsigned long long stopped;       ///< not 0: the task failed, and the output was not written
   unsigned long long bad_triangle;  ///< the first triangle with an index out of range or a corner not finite, or kNone
   unsigned long long needed_entries;    ///< triangle list entries needed; a lower bound if too few were given. kNone if
@@ -61,6 +64,10 @@ struct Outcome {
   unsigned long long needed_slots;      ///< tiles that may have to be stored (sparse output)
   unsigned long long samples_examined;  ///< as in ComputeReport
   unsigned long long samples_band;
+  unsigned long long doubts;  ///< 0, or why the values did not get the sign asked for. kOpen: edges do not cancel.
+                              ///< kNotOutwards: a part of the mesh is not closed by itself, or faces inwards, or there
+                              ///< are more than 65536 parts. kTooDeep: more than 127 layers of the surface between two
+                              ///< samples. The magnitudes are right then, the signs are undefined
 };
 
 /// One field to compute.
@@ -71,6 +78,10 @@ struct Task {
   Method method = Method::tiles;
   DeviceOutput output;
   Outcome* outcome = nullptr;
+  /// Samples inside are negative, as in the field of compute(), if the mesh is closed and all its parts face outwards.
+  /// The device finds out whether they do; if not, the outcome has doubts. `method` is none, or winding or automatic,
+  /// which are the same here; `rule`, `invert` and `as_oriented` are obeyed; `strict` changes nothing.
+  SignOptions sign = {.method = SignMethod::none};
 };
 
 /// An estimate of the number of list entries, which is enough for most meshes of this size. Outcome::needed_entries
@@ -80,14 +91,19 @@ STANDOFF_API std::int64_t likely_entries(std::int64_t triangles, const Grid& gri
                                          Method method = Method::tiles);
 
 /// Bytes of device memory that enqueue needs as workspace for a mesh of at most `triangles` used triangles and
-/// `entries` list entries.
+/// `entries` list entries, for a field without a sign.
 STANDOFF_API std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                                           std::int64_t entries);
+
+/// The same for a task, whose mesh and sign count; the sizes of its arrays are read, not the arrays.
+STANDOFF_API std::int64_t workspace_bytes(const Task& task, std::int64_t entries);
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done. Its previous content does not matter, and its content afterwards is undefined. Mesh and output must
 /// not be changed until the work is done. The field has the same bits as that of compute(). Errors: usage (grid,
-/// thickness, null pointers, a workspace that is too small; the message gives the size needed), device.
+/// thickness, null pointers, a workspace that is too small; the message gives the size needed; a sign that is decided on
+/// the CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the largest
+/// spacing), device.
 STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, in one workspace that is large enough for each of them. If a task
@@ -95,7 +111,7 @@ STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes,
 STANDOFF_API void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Throws if the task failed. `outcome` is a copy in host memory. Error{input}: a bad triangle, or the mesh changed
-/// during the work. Error{limit}: too few list entries or slots.
+/// during the work; or the outcome has doubts about the sign. Error{limit}: too few list entries or slots.
 STANDOFF_API void check(const Outcome& outcome, const Task& task);
 
 /// A GPU.

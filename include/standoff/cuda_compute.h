@@ -51,16 +51,19 @@ struct FieldRequest {
   double thickness = 0;     ///< world units, may be infinite
   float* values = nullptr;  ///< in device memory, one float per sample, x fastest
   Method method = Method::tiles;
+  SignOptions sign = {.method = SignMethod::none};
 };
 
 /// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the
-/// same bits, and no sign; Method::thesis leaves out no triangle, as its skip rule works on the CPU. It returns when
+/// same bits. The device decides the sign of a mesh that is closed and whose parts all face outwards; any other mesh is
+/// copied to the host, which decides the sign as occupancy() does, and sends a bit for each sample. Method::thesis leaves out no triangle, as its skip rule works on the CPU. It returns when
 /// they are written. Packed doubles and packed indices of 32 bits are used where they lie, other layouts are copied on
 /// the device. The fields are computed by one enqueue() of all. It waits twice, and again for those whose triangle
 /// lists did not fit, which are computed anew. Copies of meshes lie in one piece of memory; the fields share one
 /// workspace, as large as the largest of them needs. If that does not fit into device memory, halves of them are
 /// computed one after the other. Errors among the answers: as bounds_of_each; usage
-/// also for the grid, the thickness and values that are null; limit also for a mesh too far from the grid
+/// also for the grid, the thickness, values that are null, and signs that need more than a bit for each sample: normal,
+/// facet, shell and `outer`; limit also for a mesh too far from the grid
 /// (docs/tiles.md, Domain); the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may
 /// have been written.
 STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,

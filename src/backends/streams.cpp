@@ -12,6 +12,8 @@
 #include "field/backend.h"
 #include "field/plan.h"
 #include "gpu/devices.h"
+#include "sign/plan.h"
+#include "sign/sign_text.h"
 #include "standoff/error.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/version.h"
@@ -22,7 +24,7 @@ namespace {
 struct StreamDevice {
   Backend backend;
   std::vector<OrError<Box>> (*bounds)(std::span<const MeshView>, const OnStream&);
-  std::vector<OrError<Outcome>> (*compute)(std::span<const FieldRequest>, const OnStream&);
+  std::vector<OrError<FieldOutcome>> (*compute)(std::span<const FieldRequest>, const OnStream&);
   void (*copy)(const float*, std::span<float>, const OnStream&);
 };
 
@@ -67,11 +69,21 @@ void check(const FieldRequest& request, const OnStream& on) {
   options.method = request.method;
   validate(request.thickness, options);
   validate(request.grid);
+  validate(request.sign);
+  if (!find_info(request.sign.method)->at_samples && request.sign.method != SignMethod::none)
+    throw Error(
+        ErrorCode::usage,
+        "cuda: this sign method needs nearest triangles or changes distances, which the CPU does; take another, "
+        "such as automatic, or copy the mesh to the CPU");
+  if (request.sign.outer)
+    throw Error(ErrorCode::usage,
+                "cuda: the CPU alone leaves out internal triangles; leave out `outer`, or copy the mesh to the CPU");
   if (!request.values) throw Error(ErrorCode::usage, "cuda: the field is to be written to null; give device memory");
   backend_of(on, request.method);
 }
 
-ComputeReport report_of(const FieldRequest& request, const Outcome& outcome, const OnStream& on) {
+ComputeReport report_of(const FieldRequest& request, const FieldOutcome& made, const OnStream& on) {
+  const Outcome& outcome = made.outcome;
   const BackendRow& row = backend_of(on, request.method);
   ComputeReport report;
   report.method = find_info(row.method)->name;
@@ -82,7 +94,8 @@ ComputeReport report_of(const FieldRequest& request, const Outcome& outcome, con
   report.samples_examined = static_cast<std::int64_t>(outcome.samples_examined);
   report.samples_band = static_cast<std::int64_t>(outcome.samples_band);
   report.tiles = tile_count(request.grid.size);
-  report.provenance = {report.method, 0, version(), {}};
+  report.sign = made.sign;
+  report.provenance = {report.method, 0, version(), written(sign_text_of(request.sign, made.sign))};
   return report;
 }
 
@@ -105,12 +118,12 @@ std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> r
       places.push_back(n);
       valid.push_back(requests[n]);
     });
-  const std::vector<OrError<Outcome>> outcomes = in_halves<Outcome, FieldRequest>(device.compute, valid, on);
+  const std::vector<OrError<FieldOutcome>> outcomes = in_halves<FieldOutcome, FieldRequest>(device.compute, valid, on);
   for (std::size_t n = 0; n < valid.size(); ++n) {
     if (const Error* const error = std::get_if<Error>(&outcomes[n]))
       answers[places[n]] = *error;
     else
-      answers[places[n]] = report_of(valid[n], std::get<Outcome>(outcomes[n]), on);
+      answers[places[n]] = report_of(valid[n], std::get<FieldOutcome>(outcomes[n]), on);
   }
   return answers;
 } catch (...) {

@@ -15,7 +15,7 @@ struct GridAxis {
   std::int64_t first, size;  ///< the window's first sample and its samples
 
   /// The coordinate of sample n, as Grid::position() gives it.
-  double at(std::int64_t n) const { return origin + spacing * static_cast<double>(first + n); }
+  constexpr double at(std::int64_t n) const { return origin + spacing * static_cast<double>(first + n); }
 };
 
 /// Axis 0, 1 or 2.

@@ -27,16 +27,16 @@ constexpr std::uint64_t splitmix64(std::uint64_t x) {
 // Equal positions have equal hashes, where -0 equals +0.
 
 /// The product of both numbers, folded to 64 bits: each bit of the result depends on every bit of both.
-inline std::uint64_t folded_product(std::uint64_t a, std::uint64_t b) {
+constexpr std::uint64_t folded_product(std::uint64_t a, std::uint64_t b) {
   const auto product = static_cast<unsigned __int128>(a) * b;
   return static_cast<std::uint64_t>(product) ^ static_cast<std::uint64_t>(product >> 64);
 }
 
 /// The bits of a coordinate; -0 has the bits of +0.
-inline std::uint64_t position_bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
+constexpr std::uint64_t position_bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
 
 /// A hash of 64 bits, different for each seed. The constants are digits of pi, which have no structure.
-inline std::uint64_t position_hash(const Vec3& p, std::uint64_t seed = 0) {
+constexpr std::uint64_t position_hash(const Vec3& p, std::uint64_t seed = 0) {
   const std::uint64_t xy =
       folded_product(position_bits(p.x) ^ 0x243f6a8885a308d3u ^ seed, position_bits(p.y) ^ 0x13198a2e03707345u);
   return folded_product(xy ^ position_bits(p.z), 0xa4093822299f31d1u);

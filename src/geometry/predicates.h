@@ -4,9 +4,8 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
-#include "geometry/rounding.h"
+#include "geometry/determinant.h"
 #include "standoff/vec.h"
 
 namespace standoff {
@@ -19,39 +18,12 @@ double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 /// The sign if the first stage cannot decide it.
 int orient3d_beyond_rounding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// A point in the plane.
-struct Flat {
-  double x, y;
-};
-
 /// The sign of det(b - a, c - a): 1 if a, b, c turn left; 0 if and only if they lie on a line.
 int orient2d(const Flat& a, const Flat& b, const Flat& c);
 /// The sign if the first stage cannot decide it.
 int orient2d_beyond_rounding(const Flat& a, const Flat& b, const Flat& c);
 /// The determinant: its sign is exact, and its relative error at most 4e-15.
 double determinant2d(const Flat& a, const Flat& b, const Flat& c);
-
-/// Shewchuk's error bound of the first stage, as a share of the sum of the products' magnitudes.
-inline constexpr double kRounded3d = (7 + 56 * kRoundoffDouble) * kRoundoffDouble;
-inline constexpr double kRounded2d = (3 + 16 * kRoundoffDouble) * kRoundoffDouble;
-
-/// A determinant in double arithmetic, and the sum of its products' magnitudes, which bounds its rounding.
-struct RoundedDeterminant {
-  double value, magnitude;
-};
-inline RoundedDeterminant rounded_determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a, v = c - a, w = d - a;
-  const double vxwy = v.x * w.y, vywx = v.y * w.x, uxwy = u.x * w.y, uywx = u.y * w.x, uxvy = u.x * v.y,
-               uyvx = u.y * v.x;
-  return {u.z * (vxwy - vywx) - v.z * (uxwy - uywx) + w.z * (uxvy - uyvx),
-          (std::abs(vxwy) + std::abs(vywx)) * std::abs(u.z) + (std::abs(uxwy) + std::abs(uywx)) * std::abs(v.z) +
-              (std::abs(uxvy) + std::abs(uyvx)) * std::abs(w.z)};
-}
-
-inline RoundedDeterminant rounded_determinant2d(const Flat& a, const Flat& b, const Flat& c) {
-  const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
-  return {left - right, std::abs(left) + std::abs(right)};
-}
 
 inline int orient2d(const Flat& a, const Flat& b, const Flat& c) {
   const RoundedDeterminant det = rounded_determinant2d(a, b, c);

@@ -17,6 +17,15 @@
 #define STANDOFF_KERNEL [[maybe_unused]] static __global__
 // Marks a function that kernels call.
 #define STANDOFF_DEVICE __device__ __forceinline__
+// Marks a function that kernels call and that is seldom needed: what it takes is not added to the kernel's registers.
+// Parameters of the kernel that it is given by reference are marked STANDOFF_CONSTANT there; else they would be copied.
+#ifdef __CUDACC__
+#define STANDOFF_SELDOM [[maybe_unused]] static __device__ __noinline__
+#define STANDOFF_CONSTANT const __grid_constant__
+#else
+#define STANDOFF_SELDOM [[maybe_unused]] static
+#define STANDOFF_CONSTANT const
+#endif
 // Before a loop: nvcc does not unroll it. For loops that take little of a kernel's time, but much of the instruction
 // cache if they are unrolled.
 #ifdef __CUDACC__

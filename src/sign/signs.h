@@ -33,7 +33,7 @@ inline bool is_inside(double winding, WindingRule rule) {
 }
 
 /// Whether samples with this winding number are inside.
-inline bool is_inside(std::int32_t winding, WindingRule rule) {
+constexpr bool is_inside(std::int32_t winding, WindingRule rule) {
   switch (rule) {
     case WindingRule::positive:
       return winding > 0;

@@ -26,7 +26,7 @@ std::vector<Exposure> classes(const Mesh& mesh, const SignOptions& sign = kAsItI
   return exposed_triangles(mesh, {.sign = sign}).of;
 }
 
-bool is_inside(int winding, WindingRule rule) {
+bool counts_as_inside(int winding, WindingRule rule) {
   if (rule == WindingRule::odd) return winding % 2 != 0;
   return rule == WindingRule::nonzero ? winding != 0 : winding > 0;
 }
@@ -37,7 +37,7 @@ bool is_internal_at(const Mesh& mesh, std::size_t triangle, const Vec3& shares, 
   const Vec3 normal = cross(b - a, c - a), at = a * shares.x + b * shares.y + c * shares.z;
   const Vec3 off = normal * (1e-7 / length(normal));
   const auto inside = [&](const Vec3& p) {
-    return is_inside(static_cast<int>(std::lround(brute_winding(mesh, p).value)), rule);
+    return counts_as_inside(static_cast<int>(std::lround(brute_winding(mesh, p).value)), rule);
   };
   return inside(at + off) && inside(at - off);
 }

@@ -15,15 +15,26 @@
 #include "core/guarded.h"
 #include "field/cuda/counted_run.cuh"
 #include "gpu/platform.cuh"
+#include "sign/cuda/sign.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {
 
+// Of a field without a sign.
 std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                        std::int64_t entries) {
   const Lattice l = make_lattice(grid, thickness);
   return with_pipeline(method, grid, thickness,
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
+}
+
+// The sign takes the workspace when the field is done with it.
+std::int64_t bytes_for(const Task& task, std::int64_t entries) {
+  const std::int64_t field = bytes_for(task.mesh.used_count(), task.grid, task.thickness, task.method, entries);
+  if (task.sign.method == SignMethod::none) return field;
+  gpu::Workspace memory(nullptr);
+  const SignArrays arrays(memory, task);
+  return std::max(field, memory.used());
 }
 
 }  // namespace
@@ -37,6 +48,15 @@ std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double th
   throw_as_error("cuda");
 }
 
+std::int64_t workspace_bytes(const Task& task, std::int64_t entries) try {
+  validate(task.grid);
+  check_counts(task.mesh.used_count(), task.thickness, entries);
+  check_counts(task.mesh.triangle_count, task.thickness, entries);
+  return bytes_for(task, entries);
+} catch (...) {
+  throw_as_error("cuda");
+}
+
 void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream) {
   STANDOFF_PLATFORM::enqueue(std::span(&task, 1), workspace, bytes, stream);
 }
@@ -44,13 +64,17 @@ void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream strea
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream) try {
   for (const Task& task : tasks) {
     check_task(task);
-    check_workspace(workspace, bytes, bytes_for(task.mesh.used_count(), task.grid, task.thickness, task.method, 0));
+    if (task.sign.method != SignMethod::none) check_sign(task);
+    check_workspace(workspace, bytes, bytes_for(task, 0));
   }
   for (const Task& task : tasks) {
     const Lattice l = make_lattice(task.grid, task.thickness);
     with_pipeline(task.method, task.grid, task.thickness, [&]<class Pipeline>() {
       in_workspace<Pipeline>(task, l, workspace, bytes).enqueue(l, task, stream);
     });
+    if (task.sign.method == SignMethod::none) continue;
+    gpu::Workspace memory(workspace);
+    SignArrays(memory, task).enqueue(task, stream);
   }
 } catch (...) {
   throw_as_error("cuda");

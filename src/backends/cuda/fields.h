@@ -43,8 +43,14 @@ void answer_with(OrError<Answer>& answer, const Work& work) {
   }
 }
 
+/// What became of a field.
+struct FieldOutcome {
+  Outcome outcome;
+  SignReport sign;
+};
+
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> meshes, const OnStream& on);
-std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on);
+std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on);
 void copy_from_stream(const float* values, std::span<float> to, const OnStream& on);
 
 }  // namespace standoff::cuda
@@ -52,14 +58,15 @@ void copy_from_stream(const float* values, std::span<float> to, const OnStream& 
 namespace standoff::emulated {
 
 std::vector<cuda::OrError<Box>> bounds_on_stream(std::span<const MeshView> meshes, const cuda::OnStream& on);
-std::vector<cuda::OrError<cuda::Outcome>> compute_on_stream(std::span<const cuda::FieldRequest> requests,
-                                                            const cuda::OnStream& on);
+std::vector<cuda::OrError<cuda::FieldOutcome>> compute_on_stream(std::span<const cuda::FieldRequest> requests,
+                                                                 const cuda::OnStream& on);
 void copy_from_stream(const float* values, std::span<float> to, const cuda::OnStream& on);
 
 // The functions of standoff/cuda.h and standoff/cuda_batch.h in plain memory, by the emulation: for tests.
 
 std::int64_t workspace_bytes(std::int64_t triangles, const Grid& grid, double thickness, Method method,
                              std::int64_t entries);
+std::int64_t workspace_bytes(const cuda::Task& task, std::int64_t entries);
 void enqueue(const cuda::Task& task, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 void enqueue(std::span<const cuda::Task> tasks, void* workspace, std::int64_t bytes, cuda::Stream stream = nullptr);
 std::int64_t workspace_bytes(const cuda::BatchTask& task, std::int64_t entries);

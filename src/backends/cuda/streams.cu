@@ -10,11 +10,14 @@
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
 #include "gpu/platform.cuh"
+#include "sign/cuda/sign_values.cuh"
+#include "sign/plan.h"
+#include "standoff/occupancy.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 namespace {
 
-using cuda::answer_with, cuda::FieldRequest, cuda::OnStream, cuda::OrError;
+using cuda::answer_with, cuda::FieldOutcome, cuda::FieldRequest, cuda::OnStream, cuda::OrError;
 
 // Makes the device the current one, and waits for work that still writes to the input.
 struct Begun : DeviceScope {
@@ -88,10 +91,7 @@ struct Wanted {
   Task task;
   std::int64_t entries;
 
-  std::int64_t bytes() const {
-    return STANDOFF_PLATFORM::workspace_bytes(task.mesh.triangle_count, task.grid, task.thickness, task.method,
-                                              entries);
-  }
+  std::int64_t bytes() const { return STANDOFF_PLATFORM::workspace_bytes(task, entries); }
   // Returns whether the lists did not fit, and then asks for more entries.
   bool wants_more(const Outcome& seen) {
     const bool is_short = seen.stopped != 0 && seen.bad_triangle == Outcome::kNone &&
@@ -103,6 +103,28 @@ struct Wanted {
   }
 };
 
+Mesh copied(const DeviceMesh& mesh) {
+  Mesh copy;
+  copy.vertices.resize(static_cast<std::size_t>(mesh.vertex_count));
+  copy.triangles.resize(static_cast<std::size_t>(mesh.triangle_count));
+  copy_out(copy.vertices.data(), mesh.vertices, mesh.vertex_count * static_cast<std::int64_t>(sizeof(Vec3)));
+  copy_out(copy.triangles.data(), mesh.triangles, mesh.triangle_count * static_cast<std::int64_t>(sizeof(Triangle)));
+  return copy;
+}
+
+// Decides a sign on the host, and gives it to values whose magnitudes are right. Waits for the stream.
+SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Growing& room, Stream stream) {
+  const Occupancy found = occupancy(copied(mesh), request.grid, {.sign = request.sign});
+  const auto bytes = static_cast<std::int64_t>(found.bits.size());
+  unsigned char* const bits = room.room_for<unsigned char>(bytes);
+  copy_in(bits, found.bits.data(), bytes);
+  const Size3& size = request.grid.size;
+  launch(stream, "sign by bits", sign_by_bits, std::min<std::int64_t>(kManyBlocks, bytes / kSignThreads + 1),
+         kSignThreads, bits, found.row_bytes(), size.y * size.z, size.x, request.values);
+  wait_for(stream);
+  return found.sign;
+}
+
 }  // namespace
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, const OnStream& on) {
@@ -113,21 +135,24 @@ std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, cons
   return answers;
 }
 
-std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on) {
+std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on) {
   const Begun begun(on);
-  std::vector<OrError<Outcome>> answers(requests.size());
+  std::vector<OrError<FieldOutcome>> answers(requests.size());
   Meshes meshes(answers, on.stream, [&](std::size_t n) { return requests[n].mesh; });
   std::vector<Wanted> wanted;
   for (const Meshes::One& one : meshes.all())
     answer_with(answers[one.place], [&] {
       const FieldRequest& r = requests[one.place];
       check_domain(one.box, r.grid);
-      const Task task{
+      Task task{
           one.packed.mesh(), r.grid, r.thickness, r.method, {.values = r.values}, meshes.outcome_on_device(one.place)};
+      if (is_sign_on_device(r.sign)) task.sign = r.sign;
       wanted.push_back(
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });
-  for (Growing workspace; !wanted.empty();) {
+  std::vector<Wanted> unsigned_ones;
+  Growing workspace;
+  while (!wanted.empty()) {
     std::vector<Task> tasks;
     std::int64_t needed = 0;
     for (const Wanted& one : wanted) {
@@ -139,17 +164,30 @@ std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest> re
     meshes.look(on.stream);
     std::vector<Wanted> again;
     for (Wanted& one : wanted) {
-      const Outcome& seen = meshes.outcome(one.place);
-      if (one.wants_more(seen))
+      Outcome seen = meshes.outcome(one.place);
+      if (one.wants_more(seen)) {
         again.push_back(one);
-      else
-        answer_with(answers[one.place], [&] {
-          cuda::check(seen, one.task);
-          answers[one.place] = seen;
-        });
+        continue;
+      }
+      const SignOptions& sign = requests[one.place].sign;
+      const bool is_signed = sign.method == SignMethod::none || (is_sign_on_device(sign) && seen.doubts == 0);
+      if (!is_signed) unsigned_ones.push_back(one);
+      seen.doubts = 0;  // the host decides them
+      answer_with(answers[one.place], [&] {
+        cuda::check(seen, one.task);
+        FieldOutcome made;
+        made.outcome = seen;
+        if (sign.method != SignMethod::none) made.sign = plan_of_closed(SignMethod::winding).report;
+        answers[one.place] = made;
+      });
     }
     wanted = std::move(again);
   }
+  for (const Wanted& one : unsigned_ones)
+    answer_with(answers[one.place], [&] {
+      if (FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]))
+        found->sign = sign_by_host(one.task.mesh, requests[one.place], workspace, on.stream);
+    });
   return answers;
 }
 

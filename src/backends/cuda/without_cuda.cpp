@@ -20,10 +20,11 @@ Counts run(Method, const Job&, Sink&) { fail(); }
 std::int64_t scratch_bytes(Method, std::int64_t, const Grid& grid, double) { return host_scratch_bytes(grid); }
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView>, const OnStream&) { fail(); }
-std::vector<OrError<Outcome>> compute_on_stream(std::span<const FieldRequest>, const OnStream&) { fail(); }
+std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldRequest>, const OnStream&) { fail(); }
 void copy_from_stream(const float*, std::span<float>, const OnStream&) { fail(); }
 
 std::int64_t workspace_bytes(std::int64_t, const Grid&, double, Method, std::int64_t) { fail(); }
+std::int64_t workspace_bytes(const Task&, std::int64_t) { fail(); }
 void enqueue(const Task&, void*, std::int64_t, Stream) { fail(); }
 void enqueue(std::span<const Task>, void*, std::int64_t, Stream) { fail(); }
 std::int64_t workspace_bytes(const BatchTask&, std::int64_t) { fail(); }

@@ -20,7 +20,16 @@ std::int64_t likely_entries(std::int64_t triangles, const Grid& grid, double thi
 }
 
 void check(const Outcome& outcome, const Task& task) try {
-  if (outcome.stopped == 0) return;
+  if (outcome.stopped == 0 && outcome.doubts == 0) return;
+  if (outcome.stopped == 0)
+    throw Error(
+        ErrorCode::input,
+        std::string("cuda: the device found no sign: the mesh ") +
+            ((outcome.doubts & Outcome::kOpen) != 0          ? "is not closed"
+             : (outcome.doubts & Outcome::kNotOutwards) != 0 ? "has parts that do not face outwards, or too many parts"
+                                                             : "has more than 127 layers between two samples") +
+            "; the magnitudes of the values are right, their signs are undefined; let compute_each() or compute() "
+            "decide the sign");
   if (outcome.bad_triangle != Outcome::kNone)
     throw Error(ErrorCode::input,
                 "cuda: triangle " + std::to_string(outcome.bad_triangle) +

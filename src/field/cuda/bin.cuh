@@ -1,71 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads triangles from device memory; for thin bands, lists the triangles of each tile. Small kernels record the
-// outcome and give tiles their slots.
+// For thin bands, lists the triangles of each tile. Small kernels record the outcome and give tiles their slots.
 #pragma once
-
-#include <string>
 
 #include "field/cuda/field_set.cuh"
 #include "field/lattice.h"
 #include "geometry/triangle_box.h"
 #include "geometry/triangle_frame.h"
+#include "gpu/mesh.cuh"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
-#include "standoff/cuda.h"
-#include "standoff/error.h"
-#include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
-
-/// Makes all later kernels write nothing.
-STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
 
 /// Called if the second pass over the triangles needs more or fewer entries than the first one counted. Both compute
 /// the same, so the mesh was written meanwhile.
 STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
   atomicOr(&outcome->needed_entries, Counter{Outcome::kNone});  // many threads may write it
   stop(outcome);
-}
-
-/// A triangle's corners, world units.
-struct Corners {
-  Triple<double> at[3];
-};
-
-STANDOFF_DEVICE bool is_finite(double a) { return a - a == 0; }
-
-/// Requires a triangle that is_valid.
-STANDOFF_DEVICE Corners corners_of(const DeviceMesh& mesh, std::uint32_t triangle) {
-  Corners c;
-  for (int which = 0; which < 3; ++which) {
-    const double* v = mesh.vertices + 3 * std::int64_t{mesh.triangles[3 * std::int64_t{triangle} + which]};
-    c.at[which] = {v[0], v[1], v[2]};
-  }
-  return c;
-}
-
-/// Whether the triangle exists, its indices are in range and its corners finite. If not, the outcome records it.
-STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Outcome* outcome) {
-  bool valid = triangle < mesh.triangle_count;
-  for (int which = 0; which < 3 && valid; ++which) {
-    const std::int64_t vertex = mesh.triangles[3 * std::int64_t{triangle} + which];
-    valid = vertex < mesh.vertex_count;
-    if (!valid) break;
-    const double* v = mesh.vertices + 3 * vertex;
-    valid = is_finite(v[0]) && is_finite(v[1]) && is_finite(v[2]);
-  }
-  if (!valid) {
-    atomicMin(&outcome->bad_triangle, static_cast<Counter>(triangle));
-    stop(outcome);
-  }
-  return valid;
-}
-
-/// Throws Error{usage} if there is no triangle, or one whose index is kNoTriangle.
-inline void check_count(const DeviceMesh& mesh) {
-  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
-    throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
-                                      " triangles to use; give it 1 to 4294967294");
 }
 
 /// The largest coordinate of a box, in magnitude.
@@ -274,7 +225,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
 }
 
 STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
-  *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
+  *outcome = {0, Outcome::kNone, 0, 0, 0, 0, 0};
   for (int n = 0; n < count; ++n) counters[n] = 0;
 }
 

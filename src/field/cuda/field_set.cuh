@@ -7,6 +7,7 @@
 #pragma once
 
 #include "field/lattice.h"
+#include "gpu/mesh.cuh"
 #include "gpu/platform.cuh"
 #include "gpu/scan.h"
 #include "gpu/warp.cuh"
@@ -14,13 +15,9 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-#ifndef __CUDACC__  // the emulation runs the tasks of standoff/cuda.h in plain memory
+#ifndef __CUDACC__
 using cuda::BatchPlace;
 using cuda::BatchTask;
-using cuda::DeviceMesh;
-using cuda::DeviceOutput;
-using cuda::Outcome;
-using cuda::Task;
 #endif
 
 /// The n-th triangle to use.

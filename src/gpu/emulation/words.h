@@ -97,6 +97,11 @@ T atomicOr(T* at, T value) {
   return std::atomic_ref<T>(*at).fetch_or(value, std::memory_order_relaxed);
 }
 template <class T>
+T atomicCAS(T* at, T expected, T value) {
+  std::atomic_ref<T>(*at).compare_exchange_strong(expected, value, std::memory_order_relaxed);
+  return expected;
+}
+template <class T>
 T atomicMin(T* at, T value) {
   std::atomic_ref<T> ref(*at);
   T before = ref.load(std::memory_order_relaxed);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/hashes.h"
+#include "sign/diagnosis/closed_terms.h"
 
 namespace standoff {
 
@@ -34,15 +35,6 @@ namespace {
 using TriangleRange = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kClosedGrain = 8192;
 
-struct Place {
-  std::uint64_t x, y;
-};
-
-Place place_of(const Vec3& v) {
-  const std::uint64_t x = position_hash(v);
-  return {x, splitmix64(x)};
-}
-
 // The sum of use(a, b, c) over all triangles, for the places of their corners.
 template <class Sum, class Plus, class Places, class Use>
 Sum sum_over(MeshView mesh, const Plus& plus, const Places& places, const Use& use) {
@@ -56,10 +48,6 @@ Sum sum_over(MeshView mesh, const Plus& plus, const Places& places, const Use& u
         return sum;
       },
       plus);
-}
-
-std::uint64_t twice_area(const Place& a, const Place& b, const Place& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
 // 128 random bits for each edge, the same in both directions; 0 for an edge of length 0.
@@ -209,30 +197,9 @@ class VertexSets {
   std::vector<std::uint32_t> link_;
 };
 
-// What sums over a closed mesh may miss by rounding, as a share of the sums of magnitudes.
-constexpr double kRounding = 1e-12;
-
-struct ChunkSums {
-  double volume = 0, volume_magnitude = 0;
-  Vec3 normal;  // its length is the area
-  double normal_magnitude = 0;
-
-  void add(const ChunkSums& other) {
-    volume += other.volume;
-    volume_magnitude += other.volume_magnitude;
-    normal = normal + other.normal;
-    normal_magnitude += other.normal_magnitude;
-  }
-  // The normals of a closed set add up to 0, and only then its volume does not depend on the origin.
-  bool faces_outwards() const {
-    return max_norm(normal) <= kRounding * normal_magnitude && (!has_area() || volume > kRounding * volume_magnitude);
-  }
-  bool has_area() const { return normal_magnitude > 0; }
-};
-
 struct ChunkPart {
   std::uint32_t set;
-  ChunkSums sums;
+  OutwardTerms sums;
 };
 constexpr std::size_t kOutwardChunk = 1024, kOutwardChunks = 64;
 
@@ -254,7 +221,7 @@ bool faces_outwards(MeshView mesh) {
 
   // Sum up chunks side by side, then in their order, so that the bits do not depend on the number of threads. Most
   // neighbours in a chunk belong to one set.
-  std::vector<ChunkSums> of_set(count);
+  std::vector<OutwardTerms> of_set(count);
   std::array<std::vector<ChunkPart>, kOutwardChunks> parts;
   for (std::size_t first = 0; first < triangles; first += kOutwardChunks * kOutwardChunk) {
     tbb::parallel_for(std::size_t{0}, kOutwardChunks, [&](std::size_t chunk) {
@@ -263,13 +230,11 @@ bool faces_outwards(MeshView mesh) {
       const std::size_t begin = first + chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
       for (std::size_t t = begin; t < end;) {
         const std::uint32_t set = sets.lowest(mesh.triangles[t][0]);
-        const Vec3 origin = mesh.vertices[set];  // belongs to the set, so that a small part far away loses nothing
-        ChunkSums sums;
+        const Vec3 origin = mesh.vertices[set];
+        OutwardTerms sums;
         for (; t < end && sets.lowest(mesh.triangles[t][0]) == set; ++t) {
           const auto [a, b, c] = mesh.corners(t);
-          const Vec3 normal = cross(b - a, c - a);
-          const double volume = dot(a - origin, normal);
-          sums.add({volume, std::abs(volume), normal, max_norm(normal)});
+          sums.add(OutwardTerms::of(a, b, c, origin));
         }
         mine.push_back({set, sums});
       }
@@ -277,7 +242,8 @@ bool faces_outwards(MeshView mesh) {
     for (const auto& chunk : parts)
       for (const ChunkPart& part : chunk) of_set[number[part.set]].add(part.sums);
   }
-  return std::ranges::any_of(of_set, &ChunkSums::has_area) && std::ranges::all_of(of_set, &ChunkSums::faces_outwards);
+  return std::ranges::any_of(of_set, &OutwardTerms::has_area) &&
+         std::ranges::all_of(of_set, &OutwardTerms::faces_outwards);
 }
 
 std::int64_t outward_bytes(MeshView mesh) {
@@ -301,7 +267,7 @@ std::int64_t outward_bytes(MeshView mesh) {
   // There are two numbers for each vertex, the sums of each set, and parts in vectors that double: while one grows
   // there are up to three times as many.
   return static_cast<std::int64_t>(mesh.vertices.size() * 2 * sizeof(std::uint32_t)) +
-         count * static_cast<std::int64_t>(sizeof(ChunkSums)) +
+         count * static_cast<std::int64_t>(sizeof(OutwardTerms)) +
          static_cast<std::int64_t>(std::min(kOutwardChunks, chunks) * 3 * sizeof(ChunkPart)) * most_parts;
 }
 
@@ -423,9 +389,9 @@ bool OutwardSums::is_sure(const Set& set, MeshView mesh) const {
   sum += times_unit(set.triangles, set.normal_unit);
   const double rounding = (kOutwardChunk + 64.0 + set.runs) * 0x1p-53;
   const double off = rounding * most_normals;
-  const bool cancels = sum + off <= kRounding * (normals - off);
+  const bool cancels = sum + off <= OutwardTerms::kRounding * (normals - off);
   return !set.is_lost && std::isfinite(reach) && cancels &&
-         volume - 3 * d * (sum + off) > 2 * (kRounding + rounding) * reach;
+         volume - 3 * d * (sum + off) > 2 * (OutwardTerms::kRounding + rounding) * reach;
 }
 
 void OutwardSums::judge(Set& set, MeshView mesh) {

@@ -248,11 +248,10 @@ bool RowScan::add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corne
                           Batch& batch) const {
   const RayTriangle ray(corners);
   const double y = y_.at(j), z = z_.at(k);
-  const int crossing = ray.crossing(y, z);
+  ExactSigns signs;
+  const int crossing = ray.crossing(y, z, signs);
   if (crossing == 0) return true;
-  const std::int64_t past = x_.first(ray.crossing_x(y, z), [&](std::int64_t n) {
-    return ray.is_past({x_.at(n), y, z}, crossing);
-  });
+  const std::int64_t past = first_past(ray, x_, y, z, crossing, signs);
   if (past == x_.size()) return true;
   return batch.add_crossing(j, k, past, crossing * mesh_.use_of(triangle) < 0);
 }
