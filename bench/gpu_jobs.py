@@ -72,6 +72,8 @@ def own_jobs():
     """What else we want to know, and where the time goes (Table 5.4)."""
     jobs = [goal("factory", "tiles", output, FACTORY, 2) for output in ("graph", "compute", "host", "upload", "download")]
     jobs += [goal("many", "tiles", output, SMALL, 2, triangles=5000) for output in ("batch_1000", "singles_1000")]
+    jobs += [goal("factory", "tiles", output, FACTORY, 2) for output in ("signed_sparse", "signed")]
+    jobs += [goal("catapult", "tiles", "signed", CATAPULT, 2)]
     jobs += [goal("catapult", "tiles", "sparse", CATAPULT, 2), goal("factory", "thesis", "dense", FACTORY, 2),
              goal("catapult", "thesis", "dense", CATAPULT, 2), goal("factory", "tiles", "dense", FACTORY, 8)]
     bender = ((150, 150, 50), (150, 150, 50))

@@ -143,7 +143,7 @@ class Steps:
                           self.out / "measure.log")
         rows = gpu_jobs.rows_of(path)
         write_csv(self.out / "table-5.4.csv", [], gpu_jobs.table_5_4(rows))
-        for row in rows[:17]:
+        for row in rows[:20]:
             print(",".join(list(row.values())[:9]))
 
     def profile(self):

@@ -105,12 +105,13 @@ nb::list bounds_on_device(const std::vector<DeviceMeshInput>& meshes, const Stre
   });
 }
 
-nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const std::string& method,
-                           const StreamInput& stream) {
+nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const nb::object& sign,
+                           const std::string& method, const StreamInput& stream) {
   const Method chosen = method_of(method);
+  const SignOptions asked = sign_of(sign);
   std::vector<cuda::FieldRequest> requests;
   for (const auto& [vertices, faces, grid, thickness, values] : fields)
-    requests.push_back({view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen});
+    requests.push_back({view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, asked});
   double seconds = 0;
   std::vector<cuda::OrError<ComputeReport>> reports;
   {
@@ -165,7 +166,7 @@ void add_device_arrays(nb::module_& m) {
       .def_prop_ro("shape", &ImportedArray::shape)
       .def_prop_ro("strides", &ImportedArray::strides);
   m.def("bounds_on_device", &bounds_on_device, "meshes"_a, "stream"_a);
-  m.def("compute_on_device", &compute_on_device, "fields"_a, "method"_a, "stream"_a);
+  m.def("compute_on_device", &compute_on_device, "fields"_a, "sign"_a, "method"_a, "stream"_a);
   m.def("copy_to_host", &copy_to_host, "values"_a, "out"_a.noconvert(), "stream"_a);
 }
 

@@ -46,7 +46,7 @@ def field(
     Args:
         mesh: a path, a `Mesh`, ``(vertices, faces)``, or an object of trimesh, pyvista, Open3D, meshio, ... If its
             arrays lie on a GPU, of torch, cupy, numba, Warp or any with ``__cuda_array_interface__`` or DLPack, the
-            field is computed there, and a `DeviceField` is returned. It has no sign: pass ``sign=None``.
+            field is computed there, and a `DeviceField` is returned.
         resolution: samples on the longest side, 256 by default. Or give one of:
         spacing: distance between samples, world units, one for all axes or one for each;
         shape: samples per axis;

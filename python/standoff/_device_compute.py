@@ -13,7 +13,7 @@ from ._device_arrays import DeviceArray
 from ._device_field import DeviceField
 from ._device_mesh import MeshOnDevice
 from ._errors import OF_A_MESH, UsageError, without_frames
-from ._options import Box, Grid, Sign, SignReport, grid_of
+from ._options import Box, Grid, Sign, grid_of, sign_report
 
 
 def fields_on_gpu(
@@ -31,9 +31,11 @@ def fields_on_gpu(
         sizes: what `grid_of` takes after the bounds.
         out: for a single mesh.
     """
-    if Sign.of(sign).method != "none":
+    asked = Sign.of(sign)
+    if asked.method in ("normal", "facet", "shell") or asked.outer:
+        what = "outer" if asked.outer else asked.method
         raise UsageError(
-            "sign: is decided on the CPU, and the mesh lies on a GPU; pass sign=None for distances without one, or copy "
+            f"sign: {what!r} needs more than a bit for each sample, which the CPU alone gives; pass another sign, or copy "
             "the mesh to the CPU first"
         )
     if flag(nearest, "nearest"):
@@ -45,8 +47,8 @@ def fields_on_gpu(
     answers = [_planned(mesh, box, sizes, out) for mesh, box in zip(meshes, boxes)]
     planned = [each for each in answers if isinstance(each, _Planned)]
     stream = _stream(meshes, planned)
-    reports = iter(_core.compute_on_device([each.request() for each in planned], method, stream))
-    return [each.field(next(reports)) if isinstance(each, _Planned) else each for each in answers]
+    reports = iter(_core.compute_on_device([each.request() for each in planned], asked, method, stream))
+    return [each.field(next(reports), asked) if isinstance(each, _Planned) else each for each in answers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +61,10 @@ class _Planned:
     def request(self) -> tuple[Any, ...]:
         return (*self.mesh.rows, self.grid._core(), self.thickness, self.values.pointer)
 
-    def field(self, report: dict[str, Any] | Exception) -> DeviceField | Exception:
+    def field(self, report: dict[str, Any] | Exception, asked: Sign) -> DeviceField | Exception:
         if isinstance(report, Exception):
             return report
-        sign, made = SignReport(**report.pop("sign")), report.pop("provenance")
+        sign, made = sign_report(report.pop("sign"), asked, stacklevel=5), report.pop("provenance")
         provenance = _core.Provenance(made.method, made.mesh_hash, made.version, made.sign, self.mesh.up)
         del report["method"]
         return DeviceField._make(self.grid, self.thickness, provenance, sign=sign, computation=report)._placed(

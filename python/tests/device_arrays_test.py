@@ -3,6 +3,7 @@
 
 import ctypes
 import sys
+import warnings
 from types import SimpleNamespace as Thing
 
 import numpy as np
@@ -32,6 +33,34 @@ def test_fields_have_the_bits_of_the_cpu(vertices, faces, kind, options):
     assert field.grid == so.field((vertices, faces), sign=None, **options).grid
     assert field.computation["backend"] == "emulated"
     assert field.computation["triangles"] == 12
+
+
+SIGNS = ["auto", "winding", "parity", "flood", so.Sign("winding", rule="odd", invert=True)]
+
+
+@pytest.mark.parametrize("sign", SIGNS, ids=str)
+@pytest.mark.parametrize("damage", ["none", "inside out", "a hole"])
+def test_signs_are_those_of_the_cpu(sign, damage):
+    faces = {"none": FACES, "inside out": FACES[:, ::-1].copy(), "a hole": FACES[1:]}[damage]
+    options = {"grid": so.Grid((13, 12, 11), (-0.7, -0.6, -0.6), (0.15, 0.15, 0.15)), "thickness": 0.4, "sign": sign}
+    mesh = (Cuda(VERTICES), Cuda(faces))
+    if (sign, damage) == ("parity", "a hole"):
+        return fails(so.MeshError, "not closed", mesh=mesh, **options, shape=None, out=new_out((13, 12, 11)))
+    out = new_out((13, 12, 11))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        field = so.field(mesh, out=out, **{**ON_GPU, **options})
+        on_gpu = [str(each.message) for each in told]
+        wanted = so.field((VERTICES, faces), device="cpu", **options)
+    assert on_gpu == [str(each.message) for each in told[len(on_gpu) :]]
+    np.testing.assert_array_equal(out.array.view(np.uint32), wanted.numpy().view(np.uint32))
+    assert field.signed and field.sign == wanted.sign and field.provenance["sign"] == wanted.provenance["sign"]
+    assert (out.array < 0).any()
+    np.testing.assert_array_equal(field.cpu().numpy(), wanted.numpy())
+
+
+def test_a_doubtful_sign_is_an_error_where_it_must_be_sure():
+    fails(so.DoubtError, "strict", mesh=(Cuda(VERTICES), Cuda(FACES[1:])), sign=so.Sign("winding", strict=True))
 
 
 def test_the_field_is_an_array_on_the_gpu():
@@ -206,16 +235,16 @@ def test_a_copy_to_the_cpu_needs_no_stream_that_may_be_gone(monkeypatch):
     assert core.streams == [(1, [])]
 
 
-def fails(error, match, mesh=None, **options):
-    mesh = mesh or (Cuda(VERTICES), Cuda(FACES))
-    out = new_out()
+def fails(error, match, mesh=None, out=None, **options):
+    mesh, out = mesh or (Cuda(VERTICES), Cuda(FACES)), out or new_out()
     with pytest.raises(error, match=match):
         so.field(mesh, **{"shape": (9, 9, 9), "out": out, **ON_GPU, **options})
     assert np.isnan(out.array).all()
 
 
 def test_arguments_that_do_not_fit():
-    fails(so.UsageError, "^sign: .*sign=None.*copy", sign="auto")
+    fails(so.UsageError, "^sign: 'normal' .*copy", sign="normal")
+    fails(so.UsageError, "^sign: 'outer' .*copy", sign=so.Sign("winding", outer=True))
     fails(so.UsageError, "^nearest: ", nearest=True)
     fails(so.DeviceError, "^device: .*copy", device="cpu")
     fails(so.UsageError, "^device: there is no 'gpu'", device="gpu")

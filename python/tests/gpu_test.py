@@ -52,11 +52,11 @@ def on_gpu(lib, vertices, faces):
 
 
 def field_on(lib, mesh, **options):
-    return so.field(mesh, sign=None, device=lib.device, **options)
+    return so.field(mesh, **{"sign": None, "device": lib.device, **options})
 
 
 def on_cpu(mesh, **options):
-    return so.field(mesh, sign=None, device="cpu", **options).numpy()
+    return so.field(mesh, **{"sign": None, "device": "cpu", **options}).numpy()
 
 
 def expect_bits(found, wanted):
@@ -414,6 +414,17 @@ def test_bad_meshes_are_told(lib):
                 field_on(lib, on_gpu(lib, vertices, CUBE[1]), **options)
 
 
+@pytest.mark.parametrize("sign", ["auto", "parity"])
+def test_signs_are_those_of_the_cpu(lib, sign):
+    (vertices, faces), (corners, walls) = sphere_for(lib), WIDE
+    hollow = (np.concatenate([corners, vertices / 2]), np.concatenate([walls, faces[:, ::-1] + len(corners)]))
+    for mesh in ((vertices, faces), (vertices, faces[:, ::-1].copy()), hollow, shapes.cube(1.0)):
+        for options in (AROUND, {**AROUND, "thickness": 0.5}):
+            made = field_on(lib, on_gpu(lib, *mesh), sign=sign, **options)
+            expect_bits(lib.get(made.values), on_cpu(mesh, sign=sign, **options))
+            assert made.signed
+
+
 def test_types_and_shapes_are_told(lib):
     def fails(error, match, vertices, faces, **options):
         with pytest.raises(error, match=match):
@@ -428,8 +439,7 @@ def test_types_and_shapes_are_told(lib):
     fails(ValueError, "^vertices: must have shape", vertices[:, :2], faces)
     fails(so.UsageError, "0 triangles", vertices, faces[:0])
     fails(so.UsageError, "^nearest: ", vertices, faces, nearest=True)
-    with pytest.raises(so.UsageError, match="sign=None"):
-        so.field(on_gpu(lib, *CUBE), device=lib.device, **AROUND)
+    fails(so.UsageError, "^sign: 'normal'", vertices, faces, sign="normal")
     with pytest.raises(so.DeviceError, match="^faces: .*move"):
         field_on(lib, (lib.put(vertices), faces), **AROUND)
     with pytest.raises(so.DeviceError, match="^vertices: .*move"):

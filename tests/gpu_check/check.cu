@@ -18,6 +18,7 @@
 #include "tests/gpu_check/batch_on_device.cuh"
 #include "tests/gpu_check/field_on_device.cuh"
 #include "tests/gpu_check/timing.cuh"
+#include "tests/sign/solid_soup.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
@@ -29,6 +30,7 @@ struct Case {
   Mesh mesh;
   Grid grid;
   double thickness;
+  SignOptions sign = {.method = SignMethod::none};
 };
 
 /// The field from the emulated kernels: host memory is their device memory.
@@ -51,12 +53,12 @@ Reference emulate(const Case& c, Method method) {
   task.grid = c.grid;
   task.thickness = c.thickness;
   task.method = method;
+  task.sign = c.sign;
   task.output = {r.values.data(), r.nearest.data(), nullptr, 0};
   task.outcome = &r.outcome;
   std::int64_t entries = cuda::likely_entries(task.mesh.triangle_count, c.grid, c.thickness, method);
   do {
-    const std::int64_t bytes =
-        emulated::workspace_bytes(task.mesh.triangle_count, c.grid, c.thickness, method, entries);
+    const std::int64_t bytes = emulated::workspace_bytes(task, entries);
     std::vector<Aligned> workspace(static_cast<std::size_t>(bytes) / sizeof(Aligned) + 1);
     emulated::enqueue(task, workspace.data(), bytes);
     entries *= 4;
@@ -271,8 +273,43 @@ int run_batch(bool quick) {
                                " fields are wrong");
 }
 
+/// Tetrahedra with whole corners, all facing outwards, on samples of whole places: their planes, edges and corners are
+/// decided exactly.
+Mesh whole_tetrahedra() {
+  testing::Random random(81);
+  std::vector<testing::Tetrahedron> outwards;
+  for (testing::Tetrahedron t : testing::integer_tetrahedra(random, 200, 9)) {
+    const int side = testing::orientation(t[0], t[1], t[2], t[3]);
+    if (side < 0) std::swap(t[0], t[1]);
+    if (side != 0) outwards.push_back(t);
+  }
+  return testing::mesh_of(outwards);
+}
+
+/// Signs that the device decides.
+int run_signs(bool quick) {
+  using namespace STANDOFF_PLATFORM;
+  std::vector<Case> all{{"whole tetrahedra", whole_tetrahedra(), {{25, 24, 23}, {-11, -11, -11}, {1, 1, 1}}, 2, {}}};
+  for (const char* const name : {"sphere", "catapult", "labyrinth", "machine_2"}) {
+    const Mesh mesh = scenes::make(name, quick ? 400 : 3000);
+    const Grid grid = fit_resolution(bounds(mesh), quick ? 20 : 48, {.least_samples = 0});
+    all.push_back({name, mesh, grid, 2 * grid.max_spacing(), {}});
+  }
+  int wrong = 0;
+  for (const Case& c : all) {
+    const Reference expected = emulate(c, Method::tiles);
+    for (const Layout layout : {Layout::dense, Layout::sparse}) {
+      FieldOnDevice field(c.mesh, c.grid, c.thickness, Method::tiles, layout, false, c.sign);
+      field.run();
+      wrong += different(field.values(), expected.values) != 0;
+    }
+  }
+  return judge(wrong == 0,
+               "signs: " + std::to_string(wrong) + " of " + std::to_string(2 * all.size()) + " fields are wrong");
+}
+
 int run_all(bool quick) {
-  int faults = run_faults() + run_graph() + run_blocking() + run_batch(quick), count = 11;
+  int faults = run_faults() + run_graph() + run_blocking() + run_batch(quick) + run_signs(quick), count = 12;
   if (!quick) {
     faults += run_large();
     ++count;

@@ -23,7 +23,8 @@ inline bool poisons_workspace = true;
 /// Everything enqueue() wants, allocated once; room for lists and tiles grows until the field fits.
 class FieldOnDevice {
  public:
-  FieldOnDevice(const Mesh& mesh, const Grid& grid, double thickness, Method method, Layout layout, bool with_nearest)
+  FieldOnDevice(const Mesh& mesh, const Grid& grid, double thickness, Method method, Layout layout, bool with_nearest,
+                const SignOptions& sign = {.method = SignMethod::none})
       : vertices_(bytes_of(mesh.vertices)),
         triangles_(bytes_of(mesh.triangles)),
         outcome_(sizeof(Outcome)),
@@ -33,6 +34,7 @@ class FieldOnDevice {
     task_.grid = grid;
     task_.thickness = thickness;
     task_.method = method;
+    task_.sign = sign;
     task_.outcome = outcome_.as<Outcome>();
     upload(mesh);
     const std::int64_t tiles = tile_count(grid.size);
@@ -95,10 +97,15 @@ class FieldOnDevice {
   }
 
   /// The field, one value a sample, x fastest. NaN where the device's memory kept what was poured in before.
-  std::vector<float> values() const { return dense<float>(task_.output.values, static_cast<float>(task_.thickness)); }
-  std::vector<std::uint32_t> nearest() const { return dense<std::uint32_t>(task_.output.nearest, kNoTriangle); }
+  std::vector<float> values() const {
+    const auto far = static_cast<float>(task_.thickness);
+    return dense<float>(task_.output.values, far, -far);
+  }
+  std::vector<std::uint32_t> nearest() const {
+    return dense<std::uint32_t>(task_.output.nearest, kNoTriangle, kNoTriangle);
+  }
 
-  /// Sparse: a slot or -1 for each tile, and the values of all slots.
+  /// Sparse: what DeviceOutput::slots has for each tile, and the values of all slots.
   std::vector<std::int32_t> slots() const {
     std::vector<std::int32_t> slots(static_cast<std::size_t>(tile_count(task_.grid.size)));
     copy_out(slots.data(), task_.output.slots, bytes_of(slots));
@@ -137,15 +144,14 @@ class FieldOnDevice {
   }
   void make_workspace(std::int64_t entries) {
     entries_ = entries;
-    workspace_bytes_ = STANDOFF_PLATFORM::workspace_bytes(task_.mesh.triangle_count, task_.grid, task_.thickness,
-                                                          task_.method, entries);
+    workspace_bytes_ = STANDOFF_PLATFORM::workspace_bytes(task_, entries);
     workspace_ = Memory();
     workspace_ = Memory(workspace_bytes_);
     if (poisons_workspace) fill_bytes(nullptr, workspace_.as<void>(), 0xcd, workspace_bytes_);
   }
 
   template <class T>
-  std::vector<T> dense(const T* on_device, T outside) const {
+  std::vector<T> dense(const T* on_device, T outside, T inside) const {
     const Grid& grid = task_.grid;
     std::vector<T> all(static_cast<std::size_t>(grid.sample_count()), outside);
     if (!task_.output.slots) {
@@ -159,9 +165,11 @@ class FieldOnDevice {
       for (std::int64_t j = 0; j < grid.size.y; ++j)
         for (std::int64_t i = 0; i < grid.size.x; ++i) {
           const std::int64_t slot = slots[static_cast<std::size_t>(l.tile(i / 8, j / 8, k / 8))];
+          T& value = all[static_cast<std::size_t>(grid.index(i, j, k))];
           if (slot >= 0)
-            all[static_cast<std::size_t>(grid.index(i, j, k))] =
-                pool[static_cast<std::size_t>(slot * kTileSamples + i % 8 + 8 * (j % 8) + 64 * (k % 8))];
+            value = pool[static_cast<std::size_t>(slot * kTileSamples + i % 8 + 8 * (j % 8) + 64 * (k % 8))];
+          else if (slot == DistanceField::kInside)
+            value = inside;
         }
     return all;
   }

@@ -4,11 +4,11 @@
 //   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
 // to host memory, dense), upload and download (its copies alone), compute (what compute() does of it: from host memory
-// to a new sparse field there), counting (the part of dense before triangles are listed), batch_N (N meshes in one
-// sequence of launches; SCENE is then many: copies of eight scenes, of about TRIANGLES triangles each), singles_N (the
-// same one after the other), or dense with parts left out (parts.cuh). The grid has NX NY NZ cells in a
-// box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to stretch it until MARGIN units are
-// left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
+// to a new sparse field there), signed and signed_sparse (with the device's sign), counting (the part of dense before
+// triangles are listed), batch_N (N meshes in one sequence of launches; SCENE is then many: copies of eight scenes, of
+// about TRIANGLES triangles each), singles_N (the same one after the other), or dense with parts left out (parts.cuh).
+// The grid has NX NY NZ cells in a box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to
+// stretch it until MARGIN units are left on each side. THICKNESS in units, or inf. SECONDS_2008: the thesis's time;
 // AT_MOST_MS: what we want; either may be -, and both are only written beside what is measured. Writes a CSV line each.
 // measure --once: each is run once, to try it.
 // measure --continue: without the line of names on top, to add to a file.
@@ -114,6 +114,9 @@ double on_host(Work work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
 }
 
+bool is_signed(const Line& l) { return l.output.starts_with("signed"); }
+bool is_sparse(const Line& l) { return l.output.ends_with("sparse"); }
+
 Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   std::vector<float> values;
   if (l.output == "host" || l.output == "download")
@@ -139,7 +142,7 @@ Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   if (l.output == "download") return repeated([&] { return on_host([&] { field.download(values); }); });
   if (l.output == "counting") field.take_entries_away();
   const Part* const part = find_part(l.output);
-  if (!part && l.output != "counting" && l.output != "dense" && l.output != "sparse")
+  if (!part && l.output != "counting" && !is_signed(l) && l.output != "dense" && l.output != "sparse")
     throw Error(ErrorCode::usage, "no output '" + l.output + "'");
   return repeated([&] {
     clock.start(nullptr);
@@ -217,7 +220,8 @@ void run(const Line& l) {
   const Grid grid{l.size, 0.5 * spacing, spacing};
   const double thickness = l.thickness == "inf" ? std::numeric_limits<double>::infinity() : std::stod(l.thickness);
   const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
-  FieldOnDevice field(mesh, grid, thickness, method, l.output == "sparse" ? Layout::sparse : Layout::dense, false);
+  FieldOnDevice field(mesh, grid, thickness, method, is_sparse(l) ? Layout::sparse : Layout::dense, false,
+                      {.method = is_signed(l) ? SignMethod::winding : SignMethod::none});
   const Outcome outcome = field.run();
   if (profiles) return profile(field);
   if (!export_folder.empty())
@@ -225,8 +229,7 @@ void run(const Line& l) {
                            field.values());
   const std::int64_t workspace = field.workspace_bytes();
   const Times t = l.output == "compute" ? measure_compute(mesh, grid, thickness, method) : measure(l, mesh, field);
-  double written =
-      4.0 * static_cast<double>(l.output == "sparse" ? outcome.needed_slots * kTileSamples : grid.sample_count());
+  double written = 4.0 * static_cast<double>(is_sparse(l) ? outcome.needed_slots * kTileSamples : grid.sample_count());
   if (l.output == "upload") written = static_cast<double>(24 * mesh.vertices.size() + 12 * mesh.triangles.size());
   print(l, mesh.triangles.size(), thickness, t, outcome, workspace, written);
 }
