@@ -115,6 +115,11 @@ STANDOFF_DEVICE RowBlock rows_beside(const RowTask& task, const std::array<Vec3,
   return {first_y, first_z, y.first_from(high_y) - first_y, end_z - first_z};
 }
 
+/// A row of the grid.
+struct RowPlace {
+  std::int64_t j = 0, k = 0;
+};
+
 /// What a row's crossing with a triangle does to the winding number.
 struct RowStep {
   int step = 0;  ///< 0: nothing
@@ -128,8 +133,8 @@ STANDOFF_DEVICE std::array<Vec3, 3> vecs_of(const DeviceMesh& mesh, std::uint32_
 }
 
 /// Undecided unless the first stage and the rounded crossing are right, as nearly always.
-STANDOFF_DEVICE RowStep quick_step(const RowTask& task, const RayTriangle& ray, std::int64_t j, std::int64_t k) {
-  const double y = task.y.at(j), z = task.z.at(k);
+STANDOFF_DEVICE RowStep quick_step(const RowTask& task, const RayTriangle& ray, const RowPlace& row) {
+  const double y = task.y.at(row.j), z = task.z.at(row.k);
   NoSigns signs;
   const int crossing = ray.crossing(y, z, signs);
   if (crossing == 0) return {0, signs.undecided, 0};
@@ -144,10 +149,9 @@ STANDOFF_DEVICE RowStep quick_step(const RowTask& task, const RayTriangle& ray, 
 }
 
 template <class Signs>
-STANDOFF_DEVICE RowStep step_by(const RowTask& task, std::uint32_t triangle, std::int64_t j, std::int64_t k,
-                                Signs signs) {
+STANDOFF_DEVICE RowStep step_by(const RowTask& task, std::uint32_t triangle, const RowPlace& row, Signs signs) {
   const RayTriangle ray(vecs_of(task.mesh, triangle));
-  const double y = task.y.at(j), z = task.z.at(k);
+  const double y = task.y.at(row.j), z = task.z.at(row.k);
   const int crossing = ray.crossing(y, z, signs);
   if (signs.undecided) return {0, true, 0};
   if (crossing == 0) return {};
@@ -155,17 +159,9 @@ STANDOFF_DEVICE RowStep step_by(const RowTask& task, std::uint32_t triangle, std
   return {past < task.x.size ? -crossing : 0, signs.undecided, past};
 }
 
-STANDOFF_SELDOM RowStep twofold_step(const RowTask& task, std::uint32_t triangle, std::int64_t j, std::int64_t k) {
-  return step_by(task, triangle, j, k, TwofoldSigns());
-}
-STANDOFF_SELDOM RowStep slow_step(const RowTask& task, std::uint32_t triangle, std::int64_t j, std::int64_t k,
-                                  double* parts) {
-  return step_by(task, triangle, j, k, SlowSigns{parts});
-}
-
-STANDOFF_DEVICE void add_step(const RowTask& task, const RowStep& step, std::int64_t j, std::int64_t k) {
-  const std::int64_t tile = task.steps.tile(step.past / kTileSide, j / kTileSide, k / kTileSide),
-                     sample = step.past % kTileSide + kTileSide * (j % kTileSide + kTileSide * (k % kTileSide));
+STANDOFF_DEVICE void add_step(const RowTask& task, const RowStep& step, const RowPlace& row) {
+  const std::int64_t tile = task.steps.tile(step.past / kTileSide, row.j / kTileSide, row.k / kTileSide),
+                     sample = step.past % kTileSide + kTileSide * (row.j % kTileSide + kTileSide * (row.k % kTileSide));
   const auto shift = static_cast<unsigned>(8 * (sample % 4));
   const std::uint32_t one = 1u << shift,
                       before = atomicAdd(&task.steps.words[RowSteps::kWordsOfTile * tile + sample / 4],
@@ -175,24 +171,60 @@ STANDOFF_DEVICE void add_step(const RowTask& task, const RowStep& step, std::int
   if (byte == (step.step > 0 ? 0xffu : 0u)) atomicOr(&task.outcome->doubts, Counter{Outcome::kTooDeep});
 }
 
-/// Adds the steps of some rows of a triangle: first, first + apart, ... before `end`. All lanes take part, each with a
-/// triangle of its own, or several with one. `parts`: the warp's memory for SlowSigns.
-STANDOFF_DEVICE void add_rows(const RowTask& task, std::uint32_t triangle, const RayTriangle& ray, const RowBlock& rows,
-                              std::int64_t first, std::int64_t apart, std::int64_t end, double* parts) {
-  for (std::int64_t n = first;; n += apart) {
-    const bool mine = n < end;
-    if (__ballot_sync(0xffffffffu, mine) == 0) return;
-    const std::int64_t j = mine ? rows.first_y + n % rows.width : 0, k = mine ? rows.first_z + n / rows.width : 0;
+/// The rows of a triangle that a lane looks at: first, first + apart, ... before `end`, in the order of the block.
+struct RowsOfLane {
+  std::uint32_t triangle;
+  RowBlock block;
+  std::int64_t first, apart, end;
+
+  /// Row n of the block.
+  STANDOFF_DEVICE RowPlace at(std::int64_t n) const {
+    // A GPU divides numbers of 32 bits in a fifth of the time.
+    const std::int64_t k =
+        n >> 32 == 0 ? static_cast<std::uint32_t>(n) / static_cast<std::uint32_t>(block.width) : n / block.width;
+    return {block.first_y + n - k * block.width, block.first_z + k};
+  }
+};
+
+/// Adds the steps of the rows first + apart n whose bit n is set. All lanes take part. `parts`: the warp's memory for
+/// SlowSigns.
+STANDOFF_SELDOM void add_open_rows(const RowTask& task, const RowsOfLane& rows, std::int64_t first, std::uint64_t open,
+                                   double* parts) {
+  for (; __ballot_sync(0xffffffffu, open != 0) != 0; open &= open - 1) {
     RowStep step;
-    if (mine) step = quick_step(task, ray, j, k);
-    if (step.undecided) step = twofold_step(task, triangle, j, k);
+    RowPlace row;
+    if (open != 0) {
+      row = rows.at(first + rows.apart * (__ffsll(static_cast<long long>(open)) - 1));
+      step = step_by(task, rows.triangle, row, TwofoldSigns());
+    }
     for (std::uint32_t left = __ballot_sync(0xffffffffu, step.undecided); left != 0; left &= left - 1) {
       if (static_cast<int>(threadIdx.x % 32) == __ffs(static_cast<int>(left)) - 1)
-        step = slow_step(task, triangle, j, k, parts);
+        step = step_by(task, rows.triangle, row, SlowSigns{parts});
       __syncwarp();
     }
-    if (step.step != 0) add_step(task, step, j, k);
+    if (step.step != 0) add_step(task, step, row);
   }
+}
+
+/// Adds the steps of all rows. All lanes take part, each with a triangle of its own, or several with one.
+STANDOFF_DEVICE void add_rows(const RowTask& task, const RowsOfLane& rows, double* parts) {
+  std::int64_t n = rows.first;
+  do {
+    const std::int64_t begin = n;
+    std::uint64_t open = 0;  // rows that are not decided yet
+    if (n < rows.end) {
+      const RayTriangle ray(vecs_of(task.mesh, rows.triangle));
+      for (std::uint64_t bit = 1; bit != 0 && n < rows.end; bit *= 2, n += rows.apart) {
+        const RowPlace row = rows.at(n);
+        const RowStep step = quick_step(task, ray, row);
+        if (step.undecided)
+          open |= bit;
+        else if (step.step != 0)
+          add_step(task, step, row);
+      }
+    }
+    if (__ballot_sync(0xffffffffu, open != 0) != 0) add_open_rows(task, rows, begin, open, parts);
+  } while (__ballot_sync(0xffffffffu, n < rows.end) != 0);
 }
 
 /// A thread per triangle. Lists the triangles with many rows.
@@ -200,12 +232,9 @@ STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_rows(STANDOFF_CONSTANT 
   __shared__ double parts[kRowThreads / 32][Expansion::kMostParts];
   if (task.outcome->stopped != 0) return;
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  std::array<Vec3, 3> corners{};
+  const auto triangle = static_cast<std::uint32_t>(n);
   RowBlock rows{};
-  if (n < task.mesh.triangle_count) {
-    corners = vecs_of(task.mesh, static_cast<std::uint32_t>(n));
-    rows = rows_beside(task, corners);
-  }
+  if (n < task.mesh.triangle_count) rows = rows_beside(task, vecs_of(task.mesh, triangle));
   const bool is_long = rows.count() > kRowsOfALane;
   const std::uint32_t long_ones = __ballot_sync(0xffffffffu, is_long), lane = threadIdx.x % 32;
   if (long_ones != 0) {
@@ -213,10 +242,9 @@ STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_rows(STANDOFF_CONSTANT 
     if (lane == 0) first = atomicAdd(task.long_ones.count, static_cast<Counter>(__popc(long_ones)));
     first = __shfl_sync(0xffffffffu, first, 0);
     const Counter place = first + static_cast<Counter>(__popc(long_ones & ((1u << lane) - 1)));
-    if (is_long) task.long_ones.triangles[place] = static_cast<std::uint32_t>(n);
+    if (is_long) task.long_ones.triangles[place] = triangle;
   }
-  add_rows(task, static_cast<std::uint32_t>(n), RayTriangle(corners), rows, 0, 1, is_long ? 0 : rows.count(),
-           parts[threadIdx.x / 32]);
+  add_rows(task, {triangle, rows, 0, 1, is_long ? 0 : rows.count()}, parts[threadIdx.x / 32]);
 }
 
 /// Warps share the triangles with many rows.
@@ -228,10 +256,9 @@ STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_long_rows(STANDOFF_CONS
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32), shares = warps > count ? warps / count : 1;
   for (std::int64_t n = (std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x) / 32; n < count * shares; n += warps) {
     const std::uint32_t triangle = task.long_ones.triangles[n / shares];
-    const std::array<Vec3, 3> corners = vecs_of(task.mesh, triangle);
-    const RowBlock rows = rows_beside(task, corners);
-    add_rows(task, triangle, RayTriangle(corners), rows, 32 * (n % shares) + threadIdx.x % 32, 32 * shares,
-             rows.count(), parts[threadIdx.x / 32]);
+    const RowBlock rows = rows_beside(task, vecs_of(task.mesh, triangle));
+    add_rows(task, {triangle, rows, 32 * (n % shares) + threadIdx.x % 32, 32 * shares, rows.count()},
+             parts[threadIdx.x / 32]);
   }
 }
 
