@@ -5,6 +5,7 @@
 // triangle lists did not fit. enqueue() of standoff/cuda.h does none of this.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <variant>
 #include <vector>
@@ -19,12 +20,23 @@
 
 namespace standoff::cuda {
 
+/// Where a call takes the device memory that it needs beside the arrays: from a caller's pool, so that none lies beside
+/// it. Both functions or none; none: cudaMalloc and cudaFree.
+struct Allocator {
+  /// Returns memory on the call's device, aligned to 256 bytes; null if there is none.
+  void* (*allocate)(std::int64_t bytes, void* context) = nullptr;
+  /// Takes it back; no work on it is left. Must not throw.
+  void (*release)(void* memory, void* context) = nullptr;
+  void* context = nullptr;
+};
+
 /// Whose memory the arrays of a call lie in, and which stream works on them.
 struct OnStream {
   Backend backend = Backend::cuda;  ///< or testing::kEmulated, for which plain memory stands for the device's
   int device = 0;
   Stream stream = nullptr;             ///< null: the legacy default stream
   std::span<const Stream> after = {};  ///< other streams that write these arrays; they are waited for first
+  Allocator memory = {};               ///< is asked on the thread of the call
 };
 
 /// The answer for one of several meshes, or the error that the same call with this mesh alone would give.
@@ -56,14 +68,14 @@ struct FieldRequest {
 
 /// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the
 /// same bits. The device decides the sign of a mesh that is closed and whose parts all face outwards; any other mesh is
-/// copied to the host, which decides the sign as occupancy() does, and sends a bit for each sample. Method::thesis leaves out no triangle, as its skip rule works on the CPU. It returns when
-/// they are written. Packed doubles and packed indices of 32 bits are used where they lie, other layouts are copied on
-/// the device. The fields are computed by one enqueue() of all. It waits twice, and again for those whose triangle
-/// lists did not fit, which are computed anew. Copies of meshes lie in one piece of memory; the fields share one
-/// workspace, as large as the largest of them needs. If that does not fit into device memory, halves of them are
-/// computed one after the other. Errors among the answers: as bounds_of_each; usage
-/// also for the grid, the thickness, values that are null, and signs that need more than a bit for each sample: normal,
-/// facet, shell and `outer`; limit also for a mesh too far from the grid
+/// copied to the host, which decides the sign as occupancy() does, and sends a bit for each sample. Method::thesis
+/// leaves out no triangle, as its skip rule works on the CPU. It returns when they are written. Packed doubles and
+/// packed indices of 32 bits are used where they lie, other layouts are copied on the device. The fields are computed
+/// by one enqueue() of all. It waits twice, and again for those whose triangle lists did not fit, which are computed
+/// anew. Copies of meshes lie in one piece of memory; the fields share one workspace, as large as the largest of them
+/// needs. If that does not fit into device memory, halves of them are computed one after the other. Errors among the
+/// answers: as bounds_of_each; usage also for the grid, the thickness, values that are null, and signs that need more
+/// than a bit for each sample: normal, facet, shell and `outer`; limit also for a mesh too far from the grid
 /// (docs/tiles.md, Domain); the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may
 /// have been written.
 STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,

@@ -51,26 +51,50 @@ MeshView view_of(const DeviceRows& vertices, const DeviceRows& faces) {
   return view;
 }
 
-/// Which GPU, its stream, and the streams to be waited for first, as CUDA's handles.
+// The pool of a library of Python (_device_arrays.py, Pool). What goes wrong there counts as no memory.
+
+void* allocate_by(std::int64_t bytes, void* context) {
+  const Locked held;
+  const nb::handle pool(static_cast<PyObject*>(context));
+  const nb::object size = nb::int_(bytes), name = nb::str("allocate");
+  const auto given = nb::steal(
+      ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), size.ptr(), nullptr); }));
+  if (given.is_valid()) return PyLong_AsVoidPtr(given.ptr());
+  if (PyErr_ExceptionMatches(PyExc_KeyboardInterrupt)) PyErr_SetInterrupt();  // told again, later
+  PyErr_Clear();
+  return nullptr;
+}
+void release_by(void* memory, void* context) {
+  const Locked held;
+  const nb::handle pool(static_cast<PyObject*>(context));
+  const nb::object at = nb::steal(PyLong_FromVoidPtr(memory)), name = nb::str("release");
+  const auto done =
+      nb::steal(ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), at.ptr(), nullptr); }));
+  if (!done.is_valid()) PyErr_Clear();
+}
+
+/// Which GPU, its stream, and the streams to be waited for first, as CUDA's handles; and the pool, or None.
 struct StreamInput {
   bool emulated;
   int device;
   std::vector<cuda::Stream> streams;  // the first one, then the others
+  nb::object pool;
 
   cuda::OnStream on() const {
     return {.backend = emulated ? testing::kEmulated : Backend::cuda,
             .device = device,
             .stream = streams[0],
-            .after = std::span(streams).subspan(1)};
+            .after = std::span(streams).subspan(1),
+            .memory = pool.is_none() ? cuda::Allocator{} : cuda::Allocator{allocate_by, release_by, pool.ptr()}};
   }
 };
 
 void make_stream(StreamInput* at, bool emulated, int device, std::uintptr_t stream,
-                 const std::vector<std::uintptr_t>& after) {
+                 const std::vector<std::uintptr_t>& after, const nb::object& pool) {
   const auto handle = [](std::uintptr_t number) { return reinterpret_cast<cuda::Stream>(number); };
   std::vector<cuda::Stream> streams{handle(stream)};
   for (const std::uintptr_t other : after) streams.push_back(handle(other));
-  new (at) StreamInput{emulated, device, std::move(streams)};
+  new (at) StreamInput{emulated, device, std::move(streams), pool};
 }
 
 using DeviceMeshInput = std::tuple<DeviceRows, DeviceRows>;
@@ -156,7 +180,7 @@ struct ImportedArray {
 }  // namespace
 
 void add_device_arrays(nb::module_& m) {
-  nb::class_<StreamInput>(m, "Stream").def("__init__", &make_stream, "emulated"_a, "device"_a, "stream"_a, "after"_a);
+  nb::class_<StreamInput>(m, "Stream").def("__init__", &make_stream, "emulated"_a, "device"_a, "stream"_a, "after"_a, "pool"_a.none() = nb::none());
   nb::class_<ImportedArray>(m, "ImportedArray")
       .def(
           "__init__", [](ImportedArray* at, nb::ndarray<> capsule) { new (at) ImportedArray{std::move(capsule)}; },

@@ -174,14 +174,44 @@ def new_values(like: Any, shape: Sequence[int]) -> Any:
     if library == "warp":
         warp = sys.modules["warp"]
         return warp.empty(backwards, dtype=warp.float32, device=like.device).transpose((2, 1, 0))
-    namespace = getattr(like, "__array_namespace__", None)
-    if namespace is None or library in ("jax", "jaxlib"):  # whose arrays nobody may write to
+    if not _makes_arrays(like):
         raise DeviceError(
             f"out: standoff cannot make arrays of {type(like).__module__}.{type(like).__name__} on a GPU; "
             f"pass out=, float32 of shape {tuple(shape)} in Fortran order"
         )
-    xp = namespace()
+    xp = like.__array_namespace__()
     return xp.permute_dims(xp.empty(backwards, dtype=xp.float32, device=like.device), (2, 1, 0))
+
+
+def _makes_arrays(like: Any) -> bool:
+    """Whether the library of an array makes arrays that may be written to."""
+    library = _library(like)
+    known = library in ("torch", "cupy", "numba", "warp")
+    return known or (hasattr(like, "__array_namespace__") and library not in ("jax", "jaxlib"))
+
+
+class Pool:
+    """Gives workspace as arrays of a library, which come from its pool."""
+
+    def __init__(self, like: Any) -> None:
+        self._like = like
+        self._taken: dict[int, Any] = {}
+
+    @staticmethod
+    def of(like: Any) -> Pool | None:
+        """That of the library of an array, if it makes arrays."""
+        return Pool(like) if _makes_arrays(like) else None
+
+    def allocate(self, size: int) -> int:
+        """The address of so many bytes, a multiple of 256."""
+        array = new_values(self._like, (-(-size // 4) + 64, 1, 1))
+        start = device_array(array, "workspace").pointer
+        start += -start % 256
+        self._taken[start] = array
+        return start
+
+    def release(self, start: int) -> None:
+        del self._taken[start]
 
 
 def _library(array: Any) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from . import _core
 from ._checks import flag, name
-from ._device_arrays import DeviceArray
+from ._device_arrays import DeviceArray, Pool
 from ._device_field import DeviceField
 from ._device_mesh import MeshOnDevice
 from ._errors import OF_A_MESH, UsageError, without_frames
@@ -93,4 +93,4 @@ def _stream(meshes: Sequence[MeshOnDevice], planned: Sequence[_Planned] = ()) ->
         others |= mesh.other_streams()
     for each in planned:
         others |= each.mesh.other_streams(each.values)
-    return _core.Stream(*meshes[0].worker, sorted(others))
+    return _core.Stream(*meshes[0].worker, sorted(others), Pool.of(meshes[0].source))

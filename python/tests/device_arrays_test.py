@@ -2,8 +2,10 @@
 """Meshes in a GPU's memory, which is pretended (pretended_gpu.py)."""
 
 import ctypes
+import gc
 import sys
 import warnings
+import weakref
 from types import SimpleNamespace as Thing
 
 import numpy as np
@@ -61,6 +63,43 @@ def test_signs_are_those_of_the_cpu(sign, damage):
 
 def test_a_doubtful_sign_is_an_error_where_it_must_be_sure():
     fails(so.DoubtError, "strict", mesh=(Cuda(VERTICES), Cuda(FACES[1:])), sign=so.Sign("winding", strict=True))
+
+
+class Pooled(Standard):
+    """An array of a library that says what it makes, and may have no more memory."""
+
+    alive, made, most = weakref.WeakSet(), [], None
+
+    def __array_namespace__(self):
+        def empty(shape, dtype, device):
+            if self.most is not None and np.prod(shape) > self.most:
+                raise RuntimeError("out of memory")
+            new = Pooled(np.full(shape, np.nan, dtype))
+            self.made.append(new.array.size)
+            self.alive.add(new)
+            return new
+
+        def permuted(array, axes):
+            new = Pooled(array.array.transpose(axes))
+            self.alive.add(new)
+            return new
+
+        return Thing(float32=np.float32, empty=empty, permute_dims=permuted)
+
+
+def test_workspace_comes_from_the_pool_of_the_library(monkeypatch):
+    vertices, faces = VERTICES.astype(np.float32), FACES.astype(np.int64)
+    field = so.field((Pooled(vertices), Pooled(faces)), shape=(9, 9, 9), **ON_GPU)
+    np.testing.assert_array_equal(field.values.array, expected(vertices, faces, shape=(9, 9, 9)))
+    assert len(Pooled.made) >= 3  # for the box, the field, and the work
+    gc.collect()
+    assert len(Pooled.alive) == 1  # only the field is left
+    monkeypatch.setattr(Pooled, "most", 800)  # enough for the field
+    with pytest.raises(so.Error, match="allocator"):
+        so.field((Pooled(vertices), Pooled(faces)), grid=field.grid, **ON_GPU)
+    del field
+    gc.collect()
+    assert not len(Pooled.alive)
 
 
 def test_the_field_is_an_array_on_the_gpu():

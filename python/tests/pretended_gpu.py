@@ -96,9 +96,9 @@ class ListeningCore:
     def __getattr__(self, name):
         return getattr(_core, name)
 
-    def Stream(self, emulated, device, stream, after):  # noqa: N802
+    def Stream(self, emulated, device, stream, after, *pool):  # noqa: N802
         self.streams.append((stream, after))
-        return _core.Stream(emulated, device, stream, after)
+        return _core.Stream(emulated, device, stream, after, *pool)
 
 
 def new_out(shape=(9, 9, 9), kind=Cuda):

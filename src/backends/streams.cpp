@@ -43,6 +43,8 @@ const BackendRow& backend_of(const OnStream& on, Method method) {
   return find_backend(on.backend, method, 1, {{1, 1, 1}, {}});
 }
 const StreamDevice& device_of(const OnStream& on) {
+  if (!on.memory.allocate != !on.memory.release)
+    throw Error(ErrorCode::usage, "cuda: an allocator needs both functions, allocate and release; give both or none");
   const Backend backend = backend_of(on, Method::tiles).backend;
   return *std::find_if(kStreamRows.begin(), kStreamRows.end(),
                        [&](const StreamDevice& row) { return row.backend == backend; });

@@ -9,6 +9,7 @@
 
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
+#include "gpu/caller_memory.cuh"
 #include "gpu/platform.cuh"
 #include "sign/cuda/sign_values.cuh"
 #include "sign/plan.h"
@@ -38,12 +39,13 @@ class Meshes {
 
   // view_of(place) returns a mesh's view. Waits for the stream.
   template <class Answer, class ViewOf>
-  Meshes(std::vector<OrError<Answer>>& answers, Stream stream, const ViewOf& view_of) : found_(answers.size()) {
+  Meshes(std::vector<OrError<Answer>>& answers, const OnStream& on, const ViewOf& view_of)
+      : memory_(on.memory), found_(answers.size()) {
+    const Stream stream = on.stream;
     gpu::Workspace measure(nullptr);
     const std::int64_t known = laid_out(answers, measure, view_of).empty() ? 0 : measure.used();
     if (known == 0) return;
-    memory_ = Memory(known);
-    gpu::Workspace room(memory_.as<void>());
+    gpu::Workspace room(memory_.room_for<char>(known));
     all_ = laid_out(answers, room, view_of);
     fill_bytes(stream, found_on_device_, 0xff, found_bytes());
     for (const One& one : all_) {
@@ -79,7 +81,7 @@ class Meshes {
     return all;
   }
 
-  Memory memory_;
+  CallerMemory memory_;
   std::vector<One> all_;
   std::vector<Found> found_;
   Found* found_on_device_ = nullptr;
@@ -113,7 +115,7 @@ Mesh copied(const DeviceMesh& mesh) {
 }
 
 // Decides a sign on the host, and gives it to values whose magnitudes are right. Waits for the stream.
-SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Growing& room, Stream stream) {
+SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, CallerMemory& room, Stream stream) {
   const Occupancy found = occupancy(copied(mesh), request.grid, {.sign = request.sign});
   const auto bytes = static_cast<std::int64_t>(found.bits.size());
   unsigned char* const bits = room.room_for<unsigned char>(bytes);
@@ -130,7 +132,7 @@ SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Gro
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, const OnStream& on) {
   const Begun begun(on);
   std::vector<OrError<Box>> answers(views.size());
-  const Meshes meshes(answers, on.stream, [&](std::size_t n) { return views[n]; });
+  const Meshes meshes(answers, on, [&](std::size_t n) { return views[n]; });
   for (const Meshes::One& one : meshes.all()) answers[one.place] = one.box;
   return answers;
 }
@@ -138,7 +140,7 @@ std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, cons
 std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldRequest> requests, const OnStream& on) {
   const Begun begun(on);
   std::vector<OrError<FieldOutcome>> answers(requests.size());
-  Meshes meshes(answers, on.stream, [&](std::size_t n) { return requests[n].mesh; });
+  Meshes meshes(answers, on, [&](std::size_t n) { return requests[n].mesh; });
   std::vector<Wanted> wanted;
   for (const Meshes::One& one : meshes.all())
     answer_with(answers[one.place], [&] {
@@ -151,7 +153,7 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });
   std::vector<Wanted> unsigned_ones;
-  Growing workspace;
+  CallerMemory workspace(on.memory);
   while (!wanted.empty()) {
     std::vector<Task> tasks;
     std::int64_t needed = 0;

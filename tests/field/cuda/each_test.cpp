@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -204,6 +205,61 @@ TEST(CudaEach, WhatDoesNotFitAtOnceIsComputedInHalves) {
     }
   }
   EXPECT_EQ(emulated::memory_taken, 0);
+}
+
+// A pool of a caller, which counts.
+struct Pool {
+  std::vector<std::unique_ptr<emulated::Memory>> memory;
+  std::int64_t most = std::int64_t{1} << 40;
+  std::int64_t taken = 0, calls = 0, offset = 0;
+
+  cuda::Allocator allocator() {
+    return {[](std::int64_t bytes, void* context) -> void* {
+              Pool& pool = *static_cast<Pool*>(context);
+              ++pool.calls;
+              if (bytes > pool.most) return nullptr;
+              ++pool.taken;
+              pool.memory.push_back(std::make_unique<emulated::Memory>(bytes + 256));
+              return pool.memory.back()->as<char>() + pool.offset;
+            },
+            [](void*, void* context) { --static_cast<Pool*>(context)->taken; }, this};
+  }
+};
+
+TEST(CudaEach, AllMemoryComesFromTheCallersPool) {
+  const Mesh mesh = testing::random_soup(99, 200, 4, 1.2), wide = wide_triangles();
+  const Strided<float, std::int64_t> copied(mesh);
+  Batch batch;
+  batch.add(copied.view(), grid_of(17, 0.5), 1);
+  batch.add(wide, grid_of(21, 0.5), 1.5);  // asks twice: its lists do not fit at first
+  Pool pool;
+  cuda::OnStream on = kEmulated;
+  on.memory = pool.allocator();
+  const std::int64_t launched_with = emulated::memory_taken;
+  for (const auto& answer : cuda::compute_each(batch.requests, on)) EXPECT_EQ(error_of(answer), nullptr);
+  for (std::size_t n = 0; n < 2; ++n) EXPECT_TRUE(batch.has_the_bits_of_the_cpu(n));
+  EXPECT_EQ(pool.taken, 0);
+  EXPECT_EQ(pool.calls, 3);  // copies, workspace, more workspace
+  std::int64_t in_pool = 0;
+  for (const auto& memory : pool.memory) in_pool += memory != nullptr;
+  EXPECT_EQ(in_pool, 3);
+  pool.memory.clear();
+  EXPECT_EQ(emulated::memory_taken, launched_with);
+  EXPECT_EQ(error_of(cuda::bounds_of_each(std::vector<MeshView>{mesh}, on)[0]), nullptr);
+  EXPECT_EQ(pool.calls, 4);
+
+  pool.most = 100;
+  const auto answers = cuda::compute_each(batch.requests, on);
+  for (const auto& answer : answers) {
+    ASSERT_NE(error_of(answer), nullptr);
+    EXPECT_EQ(error_of(answer)->code(), ErrorCode::limit);
+  }
+  pool.most = std::int64_t{1} << 40;
+  pool.offset = 8;
+  EXPECT_THROW(cuda::compute_each(batch.requests, on), Error);  // not aligned
+  EXPECT_EQ(pool.taken, 0);
+  on.memory.release = nullptr;
+  EXPECT_THROW(cuda::compute_each(batch.requests, on), Error);
 }
 
 }  // namespace
