@@ -76,8 +76,8 @@ struct FieldRequest {
 /// needs. If that does not fit into device memory, halves of them are computed one after the other. Errors among the
 /// answers: as bounds_of_each; usage also for the grid, the thickness, values that are null, and signs that need more
 /// than a bit for each sample: normal, facet, shell and `outer`; limit also for a mesh too far from the grid
-/// (docs/tiles.md, Domain); the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may
-/// have been written.
+/// (docs/tiles.md, Domain), input and doubt for its sign, after the values have got their distances; the other fields
+/// are computed. Errors thrown: as bounds_of_each; after one, any values may have been written.
 STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,
                                                               const OnStream& on = {});
 
