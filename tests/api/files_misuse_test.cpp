@@ -202,12 +202,23 @@ TEST(Misuse, DeviceMemory) {
       }
   for (const Grid& odd : odd_grids())
     expect_answer_or_error("grid", [&] { EXPECT_GE(cuda::likely_entries(1, odd, 1), 0); });
+  for (const std::int64_t n : kCounts)
+    for (const SignMethod sign : {SignMethod::none, SignMethod::winding, none_of<SignMethod>()}) {
+      cuda::Task sized;
+      sized.grid = grid;
+      sized.thickness = 1;
+      sized.sign.method = sign;
+      sized.mesh.vertex_count = n;
+      sized.mesh.triangle_count = n;
+      expect_answer_or_error(named("count", n), [&] { EXPECT_GT(cuda::workspace_bytes(sized, n), 0); });
+      expect_answer_or_error(named("count", n), [&] { cuda::enqueue(sized, nullptr, n, nullptr); });
+    }
   const cuda::Task task;
   for (const std::int64_t bytes : kCounts)
     expect_answer_or_error("enqueue", [&] { cuda::enqueue(task, nullptr, bytes, nullptr); });
   expect_answer_or_error("enqueue", [&] { cuda::enqueue(std::span<const cuda::Task>(&task, 1), nullptr, 0, nullptr); });
-  expect_answer_or_error("check", [&] { cuda::check({1, cuda::Outcome::kNone, ~0ull, ~0ull, 0, 0}, task); });
-  expect_answer_or_error("check", [&] { cuda::check({1, 0, 0, 0, 0, 0}, task); });
+  expect_answer_or_error("check", [&] { cuda::check({1, cuda::Outcome::kNone, ~0ull, ~0ull, 0, 0, 0}, task); });
+  expect_answer_or_error("check", [&] { cuda::check({1, 0, 0, 0, 0, 0, ~0ull}, task); });
   for (const std::int64_t n : kCounts) {
     cuda::BatchTask batch;
     batch.size = grid.size;
@@ -219,7 +230,7 @@ TEST(Misuse, DeviceMemory) {
     batch.size = {n, n, n};
     expect_answer_or_error(name, [&] { EXPECT_GE(cuda::likely_entries(batch), 0); });
     expect_answer_or_error(name, [&] { EXPECT_GT(cuda::workspace_bytes(batch, n), 0); });
-    expect_answer_or_error(name, [&] { cuda::check({1, cuda::Outcome::kNone, ~2ull, 0, 0, 0}, batch); });
+    expect_answer_or_error(name, [&] { cuda::check({1, cuda::Outcome::kNone, ~2ull, 0, 0, 0, 0}, batch); });
   }
   float values[8];
   for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda, testing::kEmulated}) {

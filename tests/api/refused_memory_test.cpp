@@ -252,6 +252,8 @@ TEST(RefusedMemory, Devices) {
   expect_error_or_limit("likely_entries", [] { cuda::likely_entries(-1, kGrid, 1); });
   expect_error_or_limit("workspace_bytes", [] { cuda::workspace_bytes(-1, kGrid, 1, Method::tiles, 0); });
   expect_error_or_limit("workspace_bytes", [] { emulated::workspace_bytes(-1, kGrid, 1, Method::tiles, 0); });
+  expect_error_or_limit("workspace_bytes", [&] { cuda::workspace_bytes(nothing, 0); });
+  expect_error_or_limit("workspace_bytes", [&] { emulated::workspace_bytes(nothing, 0); });
   expect_error_or_limit("enqueue", [&] { cuda::enqueue(nothing, nullptr, 0, nullptr); });
   expect_error_or_limit("enqueue", [&] { cuda::enqueue({&nothing, 1}, nullptr, 0, nullptr); });
   expect_error_or_limit("enqueue", [&] { emulated::enqueue(nothing, nullptr, 0); });
@@ -267,7 +269,8 @@ TEST(RefusedMemory, Devices) {
   expect_error_or_limit("check", [&] { cuda::check(bad, batch); });
   float values[1000];
   const cuda::OnStream on{.backend = testing::kEmulated};
-  const cuda::FieldRequest requests[] = {{kMesh, kGrid, 1, values}, {kMesh, kGrid, -1, values}};
+  const cuda::FieldRequest requests[] = {
+      {kMesh, kGrid, 1, values}, {kMesh, kGrid, -1, values}, {kMesh, kGrid, 1, values, Method::tiles, {}}};
   const MeshView meshes[] = {kMesh, {}};
   expect_limit_error("compute_each", [&] { cuda::compute_each(requests, on); });
   expect_limit_error("bounds_of_each", [&] { cuda::bounds_of_each(meshes, on); });

@@ -28,6 +28,13 @@ std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thicknes
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
 }
 
+// Throws Error{usage} for more vertices than indices reach.
+void check_vertices(const DeviceMesh& mesh) {
+  if (mesh.vertex_count < 0 || mesh.vertex_count > std::int64_t{1} << 32)
+    throw Error(ErrorCode::usage, "cuda: " + std::to_string(mesh.vertex_count) +
+                                      " vertices are out of range; give at most 2^32, and none negative");
+}
+
 // The sign takes the workspace when the field is done with it.
 std::int64_t bytes_for(const Task& task, std::int64_t entries) {
   const std::int64_t field = bytes_for(task.mesh.used_count(), task.grid, task.thickness, task.method, entries);
@@ -52,6 +59,7 @@ std::int64_t workspace_bytes(const Task& task, std::int64_t entries) try {
   validate(task.grid);
   check_counts(task.mesh.used_count(), task.thickness, entries);
   check_counts(task.mesh.triangle_count, task.thickness, entries);
+  check_vertices(task.mesh);
   return bytes_for(task, entries);
 } catch (...) {
   throw_as_error("cuda");
@@ -64,6 +72,7 @@ void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream strea
 void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, Stream stream) try {
   for (const Task& task : tasks) {
     check_task(task);
+    check_vertices(task.mesh);
     if (task.sign.method != SignMethod::none) check_sign(task);
     check_workspace(workspace, bytes, bytes_for(task, 0));
   }
