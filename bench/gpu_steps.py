@@ -143,7 +143,7 @@ class Steps:
                           self.out / "measure.log")
         rows = gpu_jobs.rows_of(path)
         write_csv(self.out / "table-5.4.csv", [], gpu_jobs.table_5_4(rows))
-        for row in rows[:20]:
+        for row in rows[:23]:
             print(",".join(list(row.values())[:9]))
 
     def profile(self):
