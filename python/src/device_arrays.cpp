@@ -57,8 +57,8 @@ void* allocate_by(std::int64_t bytes, void* context) {
   const Locked held;
   const nb::handle pool(static_cast<PyObject*>(context));
   const nb::object size = nb::int_(bytes), name = nb::str("allocate");
-  const auto given = nb::steal(
-      ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), size.ptr(), nullptr); }));
+  const auto given =
+      nb::steal(ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), size.ptr(), nullptr); }));
   if (given.is_valid()) return PyLong_AsVoidPtr(given.ptr());
   if (PyErr_ExceptionMatches(PyExc_KeyboardInterrupt)) PyErr_SetInterrupt();  // told again, later
   PyErr_Clear();
@@ -135,7 +135,8 @@ nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const nb
   const SignOptions asked = sign_of(sign);
   std::vector<cuda::FieldRequest> requests;
   for (const auto& [vertices, faces, grid, thickness, values] : fields)
-    requests.push_back({view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, asked});
+    requests.push_back(
+        {view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, asked});
   double seconds = 0;
   std::vector<cuda::OrError<ComputeReport>> reports;
   {
@@ -180,7 +181,8 @@ struct ImportedArray {
 }  // namespace
 
 void add_device_arrays(nb::module_& m) {
-  nb::class_<StreamInput>(m, "Stream").def("__init__", &make_stream, "emulated"_a, "device"_a, "stream"_a, "after"_a, "pool"_a.none() = nb::none());
+  nb::class_<StreamInput>(m, "Stream")
+      .def("__init__", &make_stream, "emulated"_a, "device"_a, "stream"_a, "after"_a, "pool"_a.none() = nb::none());
   nb::class_<ImportedArray>(m, "ImportedArray")
       .def(
           "__init__", [](ImportedArray* at, nb::ndarray<> capsule) { new (at) ImportedArray{std::move(capsule)}; },
