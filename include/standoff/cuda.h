@@ -101,9 +101,9 @@ STANDOFF_API std::int64_t workspace_bytes(const Task& task, std::int64_t entries
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done. Its previous content does not matter, and its content afterwards is undefined. Mesh and output must
 /// not be changed until the work is done. The field has the same bits as that of compute(). Errors: usage (grid,
-/// thickness, null pointers, a workspace that is too small; the message gives the size needed; a sign that is decided on
-/// the CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the largest
-/// spacing), device.
+/// thickness, null pointers, a workspace that is too small; the message gives the size needed; a sign that is decided
+/// on the CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the
+/// largest spacing), device.
 STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, in one workspace that is large enough for each of them. If a task
