@@ -59,8 +59,7 @@ void measure_field(const std::string& scene, std::int64_t triangles, std::int64_
       std::to_string(mesh.triangles.size()) + "@" + std::to_string(side) + "/" +
           std::to_string(static_cast<int>(spacings)),
       [&](Backend backend) {
-        ComputeOptions options{.sign = {SignMethod::none}, .hash_mesh = false};
-        options.execution.backend = backend;
+        ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = backend}, .hash_mesh = false};
         (backend == Backend::cpu ? of_cpu : of_gpu) = compute(mesh, grid, spacings * grid.max_spacing(), options).field;
       },
       [&] { return of_cpu.to_dense() == of_gpu.to_dense(); });
