@@ -181,9 +181,8 @@ void DrawingInput::add_field_layers(const LayerOptions& layers, const Console& c
            .within = layers.within ? layers.within->world(spacing) : (is_full ? 2 * spacing : field.thickness())});
     if (layers.boxes) drawing_.boxes.push_back({.box = field.grid().bounds()});
     if (!layers.iso && !(alone && has_sign)) continue;
-    SurfaceOptions options;
-    options.memory_limit = memory_limit();
-    options.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing);
+    SurfaceOptions options{.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing),
+                           .memory_limit = memory_limit()};
     SurfaceResult made = surface(field, options);
     if (made.report.capped > 0)
       console.warn("the isosurface at " + number(options.at) +

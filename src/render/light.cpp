@@ -90,8 +90,7 @@ Occlusion::Occlusion(std::span<const DrawnPart> parts) {
                static_cast<std::size_t>(grid.size.z)}};
   thickness_ = kReach * lattice_.spacing;
   distances_.resize(lattice_.samples());
-  ComputeOptions options;
-  options.sign = {SignMethod::none};
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.memory_limit = kNoMemoryLimit;  // the picture's has been asked
   options.hash_mesh = false;
   options.execution.backend = Backend::cpu;

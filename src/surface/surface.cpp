@@ -147,11 +147,8 @@ constexpr double kFieldShare = 0.6;
 
 // Computes the field that reaches as far as the surface, its cells, and the samples around them.
 ComputeResult field_of(MeshView mesh, const Grid& grid, const SurfaceOptions& options) {
-  ComputeOptions wanted;
-  wanted.sign = options.sign;
-  wanted.execution = options.execution;
-  wanted.hash_mesh = false;
-  wanted.memory_limit = options.memory_limit;
+  ComputeOptions wanted{
+      .sign = options.sign, .execution = options.execution, .memory_limit = options.memory_limit, .hash_mesh = false};
   std::exception_ptr thrown;  // an exception of the caller's callback, which passes unchanged
   if (options.progress)
     wanted.progress = [&](const Progress& progress) {

@@ -29,10 +29,10 @@ constexpr Method kSpreading[] = {Method::propagate, Method::jumpflood, Method::j
 
 ComputeResult by(Method method, MeshView mesh, const Grid& grid, double thickness, Backend backend = Backend::cpu,
                  int threads = 2) {
-  ComputeOptions options{.method = method, .sign = {SignMethod::none}};
-  options.nearest = true;
-  options.execution.backend = backend;
-  options.execution.threads = threads;
+  ComputeOptions options{.method = method,
+                         .sign = {SignMethod::none},
+                         .execution = {.threads = threads, .backend = backend},
+                         .nearest = true};
   return compute(mesh, grid, thickness, options);
 }
 
@@ -182,8 +182,7 @@ TEST(Spreading, CanBeCancelledWhileItSeeks) {
   const Mesh mesh = testing::random_soup(13, 3000, 5, 10);
   const Grid grid{{40, 40, 40}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
   for (const std::string stage : {"seeds", "distances"}) {
-    ComputeOptions options{.method = Method::jumpflood};
-    options.execution.backend = Backend::cpu;
+    ComputeOptions options{.method = Method::jumpflood, .execution = {.backend = Backend::cpu}};
     options.progress = [&](const Progress& now) { return std::string(now.stage) != stage; };
     expect_error([&] { compute(mesh, grid, kInfinity, options); }, ErrorCode::interrupted, "cancelled");
   }

@@ -27,9 +27,7 @@ class BatchQuery : public testing::ProgramTest {
     return found;
   }
   void expect(const std::string& line, int code, const std::string& part) const {
-    const Ran ran = run(words(line));
-    EXPECT_EQ(ran.code, code) << line << ": " << ran.err;
-    EXPECT_NE(ran.err.find("standoff: error: " + part), std::string::npos) << line << ": " << ran.err;
+    const Ran ran = refused(words(line), code, "standoff: error: " + part);
     EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
     EXPECT_EQ(ran.out, "") << line;
   }

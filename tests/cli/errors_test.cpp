@@ -264,9 +264,7 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("compute scene:box -r 150 -o full.vti"));
   done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle --uncompressed"));
   for (const std::string line : {"info full.vti", "slice full.vti"}) {
-    const Ran ran = run(words(line + " --memory-limit 5M"));
-    EXPECT_EQ(ran.code, 5) << line;
-    EXPECT_TRUE(ran.says("standoff: error: full.vti: its tiles need ")) << ran.err;
+    const Ran ran = refused(words(line + " --memory-limit 5M"), 5, "standoff: error: full.vti: its tiles need ");
     EXPECT_TRUE(ran.says(" MiB, more than the limit of 5 MiB; give a higher limit\n")) << ran.err;
     done(words(line + " --memory-limit 40M"));
   }
@@ -280,9 +278,8 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("info band.npz --memory-limit 9M"));
   EXPECT_EQ(run(words("info band.npz --memory-limit 1M")).code, 5);
   for (const std::string line : {"info box.obj", "convert box.obj -o c.stl"}) {
-    const Ran ran = run(words(line + " --memory-limit 5M"));
-    EXPECT_EQ(ran.code, 2) << line;
-    EXPECT_TRUE(ran.says("--memory-limit: it is for fields, and box.obj is none; leave it out")) << ran.err;
+    refused(words(line + " --memory-limit 5M"), 2,
+            "--memory-limit: it is for fields, and box.obj is none; leave it out");
   }
 }
 
@@ -331,9 +328,8 @@ TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
 TEST_F(Errors, OutOfMemory) {
   auto how = setup();
   how.memory = rlim_t{600} << 20;
-  const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vdb"), how);
-  EXPECT_EQ(ran.code, 5) << ran.err;
-  EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
+  const Ran ran =
+      refused(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vdb"), how, 5, "standoff: error: ");
   EXPECT_TRUE(ran.says("memory")) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vdb"));
 }

@@ -249,9 +249,7 @@ TEST_F(Interrupt, Verify) {
 // A full disk, met while writing.
 TEST_F(Interrupt, FullDisk) {
   ASSERT_EQ(::symlink("/dev/full", (folder / "full.nrrd").c_str()), 0);
-  const Ran ran = run(words("compute scene:box -r 40 -o full.nrrd"));
-  EXPECT_EQ(ran.code, 4);
-  EXPECT_TRUE(ran.says("standoff: error: full.nrrd: ")) << ran.err;
+  const Ran ran = refused(words("compute scene:box -r 40 -o full.nrrd"), 4, "standoff: error: full.nrrd: ");
   EXPECT_TRUE(ran.says("no space left")) << ran.err;
 }
 
@@ -261,9 +259,7 @@ TEST_F(Interrupt, FileSizeLimit) {
   for (const std::string command :
        {"compute scene:box -r 60 -o a.vti", "compute scene:box -r 60 -o a.nrrd", "compute scene:box -r 60 -o a.npz",
         "generate sphere -o a.ply", "generate sphere -o a.stl", "generate sphere -o a.obj"}) {
-    const Ran ran = run(words(command), how);
-    EXPECT_EQ(ran.code, 4) << command << "\n" << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: a.")) << ran.err;
+    refused(words(command), how, 4, "standoff: error: a.");
     EXPECT_TRUE(folder.names().empty()) << command;
   }
 }

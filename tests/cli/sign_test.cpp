@@ -184,9 +184,7 @@ TEST_F(Sign, Json) {
 TEST_F(Sign, StrictRefusesWhereItDoubts) {
   for (const std::string doubtful : {"sheet.obj --sign auto", "sheet.obj --sign winding", "strip.obj --sign auto",
                                      "strip.obj --sign winding", "sheet.obj --sign flood"}) {
-    const Ran ran = run(words("compute -r 16 -o doubt.vti --strict " + doubtful));
-    EXPECT_EQ(ran.code, 8) << doubtful << "\n" << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
+    refused(words("compute -r 16 -o doubt.vti --strict " + doubtful), 8, "standoff: error: ");
     EXPECT_FALSE(folder.names().contains("doubt.vti")) << doubtful;
   }
   for (const std::string sure : {"ball.obj --sign auto", "ball.obj --sign winding", "ball.obj --sign parity",
@@ -208,9 +206,7 @@ TEST_F(Sign, PairsThatContradictEachOther) {
            Pair{"--sign wind", "--sign 'wind': give "},
            Pair{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
        }) {
-    const Ran ran = run(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)));
-    EXPECT_EQ(ran.code, 2) << options << "\n" << ran.err;
-    EXPECT_TRUE(ran.says(message)) << options << "\n" << ran.err;
+    refused(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)), 2, message);
     EXPECT_FALSE(folder.names().contains("wrong.vti")) << options;
   }
   const Ran unknown = run(words("compute ball.obj --sign wind"));
@@ -219,9 +215,8 @@ TEST_F(Sign, PairsThatContradictEachOther) {
 }
 
 TEST_F(Sign, ParityOfAnOpenMeshIsRefused) {
-  const Ran ran = run(words("compute -r 16 -o open.vti hole.obj --sign parity"));
-  EXPECT_EQ(ran.code, 3);
-  EXPECT_TRUE(ran.says("not closed") && ran.says("take")) << ran.err;
+  const Ran ran = refused(words("compute -r 16 -o open.vti hole.obj --sign parity"), 3, "not closed");
+  EXPECT_TRUE(ran.says("take")) << ran.err;
 }
 
 TEST_F(Sign, VerifyFindsAForeignMesh) {

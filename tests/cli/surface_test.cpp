@@ -62,9 +62,7 @@ TEST_F(SurfaceVerb, OfAField) {
   const Json json = done(words("surface box.vti --at 3s --json -f -o box.ply")).json();
   EXPECT_EQ(json["kind"], "field");
   EXPECT_GT(json["at"], 0.1);
-  const Ran far = run(words("surface box.vti --at 10s -f -o box.ply"));
-  EXPECT_EQ(far.code, 2);
-  EXPECT_TRUE(far.says("compute the field with a larger thickness")) << far.err;
+  refused(words("surface box.vti --at 10s -f -o box.ply"), 2, "compute the field with a larger thickness");
   // The mesh's options are none of a field's, also where they say what goes without saying.
   for (const std::string option : {"--sign winding", "--sign auto", "--rule positive", "--outer", "--strict"})
     EXPECT_EQ(run(words("surface box.vti -f -o box.ply " + option)).code, 2) << option;
@@ -82,12 +80,8 @@ TEST_F(SurfaceVerb, MemoryLimit) {
 
 TEST_F(SurfaceVerb, SaysWhyThereIsNoSurface) {
   done(words("compute scene:box -r 30 --sign none -o unsigned.vti"));
-  const Ran none = run(words("surface unsigned.vti -o a.ply"));
-  EXPECT_EQ(none.code, 3);
-  EXPECT_TRUE(none.says("there is no surface at 0")) << none.err;
-  const Ran sheet = run(words("surface scene:box --sign none -o a.ply"));
-  EXPECT_EQ(sheet.code, 3);
-  EXPECT_TRUE(sheet.says("there is no inside")) << sheet.err;
+  const Ran none = refused(words("surface unsigned.vti -o a.ply"), 3, "there is no surface at 0");
+  refused(words("surface scene:box --sign none -o a.ply"), 3, "there is no inside");
   EXPECT_FALSE(folder.names().contains("a.ply"));
 }
 

@@ -23,9 +23,7 @@ class WindowOptions : public testing::ProgramTest {
   }
   std::string bytes(const std::string& file) const { return read_bytes(folder / file); }
   void expect_refused(const std::string& options, const std::string& says) const {
-    const Ran ran = window(options, "refused.vti");
-    EXPECT_EQ(ran.code, 2) << ran.err;
-    EXPECT_TRUE(ran.says(says)) << ran.err;
+    refused(words("compute " + options + " -f -o refused.vti"), 2, says);
     EXPECT_FALSE(folder.names().contains("refused.vti"));
   }
 };

@@ -17,8 +17,7 @@ Mesh triangle_at(double x, double size = 1) { return {{{x, 0, 0}, {x + size, 0, 
 void expect_limit(const Mesh& mesh, const Grid& grid, const char* says) {
   for (const Method method : {Method::tiles, Method::thesis})
     for (const double thickness : {2 * grid.max_spacing(), std::numeric_limits<double>::infinity()}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.method = method;
+      ComputeOptions options{.method = method, .sign = {SignMethod::none}};
       try {
         compute(mesh, grid, thickness, options);
         ADD_FAILURE() << "computed: " << says;

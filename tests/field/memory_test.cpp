@@ -44,10 +44,8 @@ void expect_enough(const Mesh& mesh, double thickness) {
   const Grid grid = cube(64, {-5, -5, -5}, 10);
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.execution.backend = Backend::cpu;
-      options.execution.threads = threads;
-      options.nearest = nearest;
+      ComputeOptions options{
+          .sign = {SignMethod::none}, .execution = {.threads = threads, .backend = Backend::cpu}, .nearest = nearest};
       const std::int64_t needed = estimate(mesh, grid, thickness, options).whole;
       const std::int64_t taken = most_held([&] { compute(mesh, grid, thickness, options); });
       EXPECT_LE(taken, needed + kSmallThings)
@@ -70,9 +68,7 @@ TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
 
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
 TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 2;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}};
   const Grid grid = cube(2000, {0, 0, -0.5}, 1);
   options.memory_limit = std::int64_t{1} << 30;
   EXPECT_GT(estimate(1, grid, 2 * grid.spacing.x, options).whole, 30'000'000'000);
@@ -84,8 +80,7 @@ TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
 }
 
 TEST(Memory, TilesAreCountedWhereTrianglesReach) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1}};
   const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
   const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
     return estimate(mesh, grid, thickness, options).whole;
@@ -109,13 +104,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   // Each in a tile of its own.
   const auto row_of = [&](int count) {
     Mesh mesh;
-    for (int n = 0; n < count; ++n) {
-      Mesh one = mesh_of(1, 3 + 8 * n);
-      for (Triangle& t : one.triangles)
-        for (auto& v : t) v += static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
-      mesh.triangles.insert(mesh.triangles.end(), one.triangles.begin(), one.triangles.end());
-    }
+    for (int n = 0; n < count; ++n) testing::append(mesh, mesh_of(1, 3 + 8 * n));
     return mesh;
   };
   EXPECT_EQ(needed(row_of(256)) - needed(mesh_of(256, -1000)), kChunk + 256 * kRef);
@@ -135,9 +124,7 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
   for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
     for (const double thickness : {0.3, 2.0, kInfinity})
       for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::normal}) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution = {.threads = 2, .backend = Backend::cpu};
-        options.sign.method = method;
+        ComputeOptions options{.sign = {.method = method}, .execution = {.threads = 2, .backend = Backend::cpu}};
         if (method == SignMethod::shell) options.sign.shell = 0.2;
         const std::int64_t needed = estimate(mesh, grid, thickness, options, 1).slabs;
         if (method == SignMethod::normal) {
@@ -156,10 +143,8 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
   for (const double thickness : {0.1, kInfinity})
     for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
       for (const bool nearest : {false, true}) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution = {.threads = 2, .backend = Backend::cpu};
-        options.sign.method = method;
-        options.nearest = nearest;
+        ComputeOptions options{
+            .sign = {.method = method}, .execution = {.threads = 2, .backend = Backend::cpu}, .nearest = nearest};
         const std::int64_t needed = estimate(ball, grid, thickness, options, 1).slabs;
         int slabs = 0;
         const std::int64_t taken = most_held([&] {
@@ -180,9 +165,8 @@ TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
   for (std::size_t t = 0; t < 120; ++t) after.vertices[after.triangles[t][0]].x += 0.05;
   const Grid grid = cube(192, {-5, -5, -5}, 10);
   for (const bool nearest : {false, true}) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution = {.threads = 2, .backend = Backend::cpu};
-    options.nearest = nearest;
+    ComputeOptions options{
+        .sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}, .nearest = nearest};
     const std::vector<std::uint32_t> changed = changed_triangles(before, after);
     DistanceField field = compute(before, grid, 0.1, options).field;
     ComputeOptions limited = options;
@@ -216,9 +200,8 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
     const Grid grid{{128, 128, 16 * slabs}, {}, {1, 1, 1}};
     const double top = static_cast<double>(grid.size.z);
     const Mesh wall{{{20, 20, -9}, {100, 90, -9}, {20, 20, top}, {100, 90, top}}, {{0, 1, 2}, {1, 3, 2}}};
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution = {.threads = 1, .backend = Backend::cpu};
-    options.sign.method = SignMethod::winding;
+    ComputeOptions options{.sign = {.method = SignMethod::winding},
+                           .execution = {.threads = 1, .backend = Backend::cpu}};
     return most_held([&] {
       if (!written) return take_all(wall, grid, thickness, options);
       SlabComputation taken(wall, grid, thickness, options, 1);
@@ -236,8 +219,7 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
 
 TEST(Memory, WhatIsTooLargeMayFitInSlabs) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution = {.threads = 1, .backend = Backend::cpu};
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   const Grid grid = cube(160, {-5, -5, -5}, 10);
   options.memory_limit = estimate(mesh, grid, kInfinity, options, 1).slabs;
   EXPECT_LT(2 * options.memory_limit, estimate(mesh, grid, kInfinity, options).whole);
@@ -264,9 +246,7 @@ std::string refusal(const Mesh& mesh, const Grid& grid, double thickness, const 
 TEST(Memory, WhatIsAdvisedHelps) {
   const Mesh mesh = testing::random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution.backend = Backend::cpu;
-    options.execution.threads = 1;
+    ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
     const Grid grid = cube(400, {-5, -5, -5}, 10);
     options.memory_limit = estimate(mesh, grid, thickness, options).whole * 9 / 10;
     const std::string told = refusal(mesh, grid, thickness, options);
@@ -280,9 +260,7 @@ TEST(Memory, WhatIsAdvisedHelps) {
 }
 
 TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   const Grid grid = cube(400, {-5, -5, -5}, 10);
   options.memory_limit = std::int64_t{32} << 20;  // less than the table of tiles and the lists of triangles
   const std::string thin = refusal(kTriangle, grid, 0.5, options);
@@ -304,9 +282,7 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
     };
     expect_error(limited, ErrorCode::limit, words);
   };
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   for (const std::int64_t bytes : {10'000, 40'000}) {
     expect_refused(bytes, "not enough memory", [&] { compute(mesh, grid, 0.5, options); });
     expect_refused(bytes, "not enough memory", [&] { compute_into(mesh, grid, 0.5, values, options); });

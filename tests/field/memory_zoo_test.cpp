@@ -83,8 +83,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
     for (const Size3 size : {Size3{12, 12, 12}, Size3{40, 9, 2}, Size3{300, 1, 1}})
       for (const double samples : {2.0, 8.0, kInfinity}) {
         const Grid grid = grid_of(size);
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution.backend = Backend::cpu;
+        ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
         for (const int threads : {1, 2, 5, 8}) {
           options.execution.threads = threads;
           expect_enough(kind, grid, samples * grid.spacing.x, options);
@@ -95,8 +94,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
 TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   for (const Kind& kind : zoo()) {
     const Grid grid = grid_of({12, 12, 12});
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution.backend = Backend::cpu;
+    ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
     for (const int threads : {1, 2, 4, 8}) {
       options.execution.threads = threads;
       options.method = Method::thesis;
@@ -115,9 +113,7 @@ TEST(MemoryOfTheZoo, ASignedBandIsNotPredictedToTakeSeveralTimesWhatItTakes) {
   for (const char* scene : {"sphere", "catapult"}) {
     const Kind kind{scene, fitted(scenes::make(scene, 20'000))};
     const Grid grid = grid_of({100, 100, 100});
-    ComputeOptions options;
-    options.execution.backend = Backend::cpu;
-    options.execution.threads = 2;
+    ComputeOptions options{.execution = {.threads = 2, .backend = Backend::cpu}};
     const double thickness = 2 * grid.spacing.x;
     expect_enough(kind, grid, thickness, options);
     const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
@@ -130,9 +126,7 @@ TEST(MemoryOfTheZoo, ASignedBandIsNotPredictedToTakeSeveralTimesWhatItTakes) {
 TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
   const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
   const Grid grid = grid_of({20, 20, 20});
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 2;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}};
   options.memory_limit = estimate(mesh, grid, kFullField, options).whole;
   const testing::heap::Limit hard(options.memory_limit + kSmallThings);
   EXPECT_GT(compute(mesh, grid, kFullField, options).report.samples_band, 0);

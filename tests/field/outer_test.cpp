@@ -23,9 +23,7 @@ constexpr SignOptions kAll{.method = SignMethod::winding, .as_oriented = true};
 constexpr SignOptions kOuter{.method = SignMethod::winding, .as_oriented = true, .outer = true};
 
 ComputeResult field_of(const Mesh& mesh, const Grid& grid, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign = sign;
-  options.nearest = true;
+  ComputeOptions options{.sign = sign, .nearest = true};
   return compute(mesh, grid, thickness, options);
 }
 
@@ -175,8 +173,7 @@ TEST(Outer, VerifyFindsAFieldThatHasTheWall) {
 TEST(Outer, GoesWithSkipRulesDenseFieldsAndOrientation) {
   const Mesh hull = moved(sphere(12), {}, 2), mesh = joined(sphere(5), hull);
   const Grid grid = around(mesh, 20);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign = {.method = SignMethod::automatic, .outer = true};
+  ComputeOptions options{.sign = {.method = SignMethod::automatic, .outer = true}};
   const DistanceField turned = compute(reversed(mesh), grid, kFullField, options).field;
   EXPECT_EQ(turned.provenance().sign, "winding oriented outer");
   EXPECT_TRUE(verify(turned, reversed(mesh)).ok());

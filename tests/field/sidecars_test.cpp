@@ -24,11 +24,7 @@ constexpr std::array kAll{SidecarKind::closest_point, SidecarKind::barycentric, 
                           SidecarKind::gradient};
 
 ComputeOptions with_nearest(SignMethod sign = SignMethod::none) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.nearest = true;
-  options.sign.method = sign;
-  options.execution.backend = Backend::cpu;
-  return options;
+  return {.sign = {.method = sign}, .execution = {.backend = Backend::cpu}, .nearest = true};
 }
 
 // The sidecars of a sample.

@@ -209,10 +209,7 @@ TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
 }
 
 ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.method = method;
-  options.nearest = true;
-  options.skip.kind = rule;
+  ComputeOptions options{.method = method, .skip = {.kind = rule}, .sign = {SignMethod::none}, .nearest = true};
   return compute(mesh, kSkipGrid, thickness, options);
 }
 

@@ -12,14 +12,8 @@
 namespace standoff {
 namespace {
 
+using testing::points_around;
 using testing::Random;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach) {
-  Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(random.in_cube(reach));
-  return points;
-}
 
 // Compares with brute force over all triangles, by another formula; then checks that the members agree.
 void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size) {

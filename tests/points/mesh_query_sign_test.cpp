@@ -15,14 +15,8 @@ namespace {
 
 using testing::box;
 using testing::joined;
+using testing::points_around;
 using testing::reversed;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 middle = {}) {
-  testing::Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(middle + random.in_cube(reach));
-  return points;
-}
 
 bool in(Vec3 p, double low, double high) { return std::min({p.x, p.y, p.z}) > low && std::max({p.x, p.y, p.z}) < high; }
 bool is_on(Vec3 p, double low, double high) {

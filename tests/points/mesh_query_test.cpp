@@ -9,6 +9,7 @@
 #include "scenes/scenes.h"
 #include "simd/dispatch.h"
 #include "standoff/points.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 #include "tests/support/welded_ball.h"
@@ -16,19 +17,9 @@
 namespace standoff {
 namespace {
 
+using testing::moved;
+using testing::points_around;
 using testing::Random;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 middle = {}) {
-  Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(middle + random.in_cube(reach));
-  return points;
-}
-
-Mesh moved(Mesh mesh, Vec3 by, double scale = 1) {
-  for (Vec3& v : mesh.vertices) v = v * scale + by;
-  return mesh;
-}
 
 // The extent of a point and the box of a mesh together.
 double extent_of(const Box& box, Vec3 p) { return std::max(max_norm(box.min - p), max_norm(box.max - p)); }

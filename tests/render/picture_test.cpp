@@ -16,14 +16,8 @@ namespace standoff {
 namespace {
 
 PictureOptions small_picture(double azimuth = 35, double elevation = 25) {
-  PictureOptions options;
-  options.width = 96;
-  options.height = 64;
-  options.azimuth_deg = azimuth;
-  options.elevation_deg = elevation;
-  options.shadows = false;
-  options.up = Axis::z;
-  return options;
+  return {
+      .width = 96, .height = 64, .azimuth_deg = azimuth, .elevation_deg = elevation, .up = Axis::z, .shadows = false};
 }
 
 Mesh random_triangles(std::uint32_t seed) {
@@ -68,8 +62,7 @@ TEST(Picture, HasTheSizeAskedForAndAMargin) {
 TEST(Picture, ThreadsDoNotMatter) {
   const Mesh mesh = scenes::make("box", 12);
   const Grid grid = fit_resolution(bounds(mesh), 24);
-  ComputeOptions how{.sign = {SignMethod::none}};
-  how.sign.method = SignMethod::automatic;
+  ComputeOptions how{.sign = {.method = SignMethod::automatic}};
   const DistanceField field = compute(mesh, grid, 4 * grid.max_spacing(), how).field;
   const std::vector<Vec3> points(mesh.vertices);
   const Mesh wall = square(-2);
@@ -80,10 +73,7 @@ TEST(Picture, ThreadsDoNotMatter) {
   drawing.points = {{.points = points}};
   drawing.paths = {{.points = points}};
   drawing.boxes = {{.box = grid.bounds()}};
-  PictureOptions options;
-  options.width = 300;
-  options.height = 200;
-  options.threads = 1;
+  PictureOptions options{.width = 300, .height = 200, .threads = 1};
   const Image expected = draw_picture(drawing, options);
   EXPECT_GT(drawn(expected), 8000);
   for (const int threads : {2, 5}) {

@@ -24,12 +24,7 @@ using testing::Random;
 using testing::Tetrahedron;
 using NormalPlace = Pseudonormals::Place;
 
-ComputeOptions by(SignMethod method, bool nearest = false) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  options.nearest = nearest;
-  return options;
-}
+ComputeOptions by(SignMethod method, bool nearest = false) { return {.sign = {.method = method}, .nearest = nearest}; }
 
 std::vector<Tetrahedron> outward_tetrahedron(Random& random, std::uint32_t half) {
   while (true) {

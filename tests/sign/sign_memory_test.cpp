@@ -30,11 +30,7 @@ using testing::Tetrahedron;
 constexpr std::int64_t kSmallThings = 64 << 10;  // what TBB and the texts of a report take
 
 ComputeOptions options_with(SignMethod method, int threads = 2) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = threads;
-  options.sign.method = method;
-  return options;
+  return {.sign = {.method = method}, .execution = {.threads = threads, .backend = Backend::cpu}};
 }
 
 Mesh shells(int count) {
@@ -115,12 +111,6 @@ Mesh with_reversed(int nth, Mesh mesh) {
     if (++n % nth == 0) std::swap(t[0], t[1]);
   return mesh;
 }
-Mesh unwelded(const Mesh& mesh) {
-  Mesh all;
-  for (const auto& [a, b, c] : mesh.triangles)
-    testing::add_triangle(all, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
-  return all;
-}
 Mesh two_sided(Mesh mesh) {
   const Mesh front = mesh;
   for (const auto& [a, b, c] : front.triangles) mesh.triangles.push_back({a, c, b});
@@ -141,7 +131,7 @@ Mesh book(std::uint32_t pages) {
 std::vector<Kind> usual_kinds() {
   const Mesh ball = testing::sphere(80);
   return {{"terrain", testing::terrain(120)},
-          {"terrain, nothing shared", unwelded(testing::terrain(120))},
+          {"terrain, nothing shared", testing::unwelded(testing::terrain(120))},
           {"a ball with a hole", without_every(20'000, ball)},
           {"a ball with many holes", without_every(200, ball)},
           {"a ball of reversed triangles", with_reversed(7, ball)},

@@ -99,8 +99,7 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
   const auto samples = static_cast<std::size_t>(kGrid.sample_count());
   for (const double thickness : kThicknesses) {
     const ComputeResult sparse = computed(mesh, kGrid, thickness);
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.nearest = true;
+    ComputeOptions options{.sign = {SignMethod::none}, .nearest = true};
     std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
     std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
     const ComputeReport report = compute_into(mesh, kGrid, thickness, values, nearest, options);
@@ -118,9 +117,7 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
 TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
   const Mesh mesh = mixed_mesh(300);
   for (const double thickness : kThicknesses) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.nearest = true;
-    options.skip.kind = SkipRule::Kind::exact;
+    ComputeOptions options{.skip = {.kind = SkipRule::Kind::exact}, .sign = {SignMethod::none}, .nearest = true};
     const ComputeResult skipped = compute(mesh, kGrid, thickness, options);
     EXPECT_GT(skipped.report.skipped, 0);
     expect_same_bits(skipped.field, computed(mesh, kGrid, thickness).field);

@@ -157,9 +157,7 @@ TEST(GridCases, SamplesNextToASlantedFace) {
 TEST(GridCases, WhereverTheWorkRuns) {
   const Grid grid = grid_around(kBall, 27);
   const auto values = [&](const Mesh& mesh, const SignOptions& sign, const Execution& execution) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.sign = sign;
-    options.execution = execution;
+    ComputeOptions options{.sign = sign, .execution = execution};
     return bits_of(compute(mesh, grid, 0.2, options).field.to_dense());
   };
   for_each_ball(kAll, [&](const Mesh& mesh, const SignOptions& sign) {
