@@ -13,17 +13,12 @@
 
 #include "tests/cli/batch.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Json;
-using testing::Process;
-using testing::Ran;
-using testing::words;
 
 namespace fs = std::filesystem;
 
-class BatchFaults : public testing::BatchTest {
+class BatchFaults : public BatchTest {
  protected:
   // Octahedra, and in their midst a pipe that nobody writes to: a mesh that takes forever.
   void write_meshes_and_a_pipe(int before, int after) const {
@@ -264,4 +259,4 @@ TEST_F(BatchFaults, SignalsStopIt) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

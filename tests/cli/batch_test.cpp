@@ -9,17 +9,12 @@
 
 #include "tests/cli/batch.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Arguments;
-using testing::Json;
-using testing::Ran;
-using testing::words;
 
 namespace fs = std::filesystem;
 
-class Batch : public testing::BatchTest {
+class Batch : public BatchTest {
  protected:
   void fails(const std::string& line, int code, const std::string& part) const {
     refused(words(line), code, "standoff: error: " + part);
@@ -275,7 +270,7 @@ TEST_F(Batch, ReadsAListFromAPipe) {
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
   how.in = ends[0];
-  testing::Process process(words("batch - -o slow -r 20"), how);
+  Process process(words("batch - -o slow -r 20"), how);
   ::close(ends[0]);
   ASSERT_EQ(::write(ends[1], "mesh-0.obj\nmesh-1", 17), 17);
   while (!fs::exists(folder / "slow/manifest.jsonl") || rows("slow/manifest.jsonl").empty()) std::this_thread::yield();
@@ -357,4 +352,4 @@ TEST_F(Batch, Report) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

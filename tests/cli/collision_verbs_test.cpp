@@ -7,14 +7,10 @@
 
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
-class CollisionVerbs : public testing::ProgramTest {};
+class CollisionVerbs : public ProgramTest {};
 
 // Two boxes of 2 x 1.5 x 1 around the origin.
 TEST_F(CollisionVerbs, Collide) {
@@ -272,4 +268,4 @@ TEST_F(CollisionVerbs, FlySaysTheSameStepsInTextAndJson) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

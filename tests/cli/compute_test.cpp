@@ -7,15 +7,10 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Process;
-using testing::Ran;
-using testing::words;
-
-class Compute : public testing::ProgramTest {
+class Compute : public ProgramTest {
  protected:
   // The box scene spans (-1, -0.75, -0.5) to (1, 0.75, 0.5).
   Json planned(const std::string& options) const {
@@ -356,7 +351,7 @@ TEST_F(Compute, AFileThatAppearsMeanwhileStays) {
     auto command = words("compute scene:sphere:20000 -r 150 -j 1 -o a.vti");
     if (force) command.emplace_back("-f");
     std::filesystem::remove(folder / "a.vti");
-    testing::Process process(command, setup());
+    Process process(command, setup());
     ASSERT_TRUE(process.wait_for("full field\n"));
     write_bytes(folder / "a.vti", "theirs");
     const Ran ran = process.wait();
@@ -382,4 +377,4 @@ TEST_F(Compute, OddFileNames) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

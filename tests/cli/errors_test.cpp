@@ -7,11 +7,8 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Ran;
-using testing::words;
 
 struct Case {
   const char* command;
@@ -19,7 +16,7 @@ struct Case {
   std::string message;  // part of it
 };
 
-class Errors : public testing::ProgramTest {
+class Errors : public ProgramTest {
  protected:
   Errors() {
     write_bytes(folder / "box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -377,4 +374,4 @@ TEST_F(Errors, JsonStaysSilentOnErrors) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -13,17 +13,13 @@
 
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Process;
-using testing::Ran;
-using testing::words;
-
 // Would take hours: Algorithm 1 tests every triangle at every sample of a full field. Little memory.
-const testing::Arguments kEndless = words("compute scene:sphere:200000 -r 300 --method thesis --skip none -o a.vti -f");
+const Arguments kEndless = words("compute scene:sphere:200000 -r 300 --method thesis --skip none -o a.vti -f");
 
-class Interrupt : public testing::ProgramTest {
+class Interrupt : public ProgramTest {
  protected:
   // Started, and so far that the computation has begun or is about to.
   Process& started(const Process::Setup& how) {
@@ -303,8 +299,7 @@ TEST_F(Interrupt, BrokenPipeEndsWithoutAMessage) {
 // A pseudo-terminal for stderr: the bar is drawn there, and wiped away.
 class Terminal : public Interrupt {
  protected:
-  std::string said_on_a_terminal(const testing::Arguments& arguments, int signal_after_bar,
-                                 const char* bar = " % ") const {
+  std::string said_on_a_terminal(const Arguments& arguments, int signal_after_bar, const char* bar = " % ") const {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     auto how = setup();
     if (terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0)
@@ -364,4 +359,4 @@ TEST_F(Terminal, HasNoneWhenAskedSo) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -9,26 +9,22 @@
 #include "tests/cli/program.h"
 #include "tests/sign/shapes.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
 // Meshes in files: a ball of radius 1, one of them damaged or turned inside out; a sheet; a strip with one side.
-class Sign : public testing::ProgramTest {
+class Sign : public ProgramTest {
  protected:
   Sign() {
-    const Mesh ball = testing::sphere(8);
+    const Mesh ball = sphere(8);
     write_mesh(folder / "ball.obj", ball);
-    write_mesh(folder / "inside_out.obj", testing::reversed(ball));
-    write_mesh(folder / "flipped.obj", testing::with_flipped(ball, 60));
-    write_mesh(folder / "hole.obj", testing::without(ball, 60));
-    write_mesh(folder / "both.obj", testing::joined(ball, testing::reversed(ball)));
-    write_mesh(folder / "nested.obj", testing::joined(ball, testing::moved(ball, {}, 0.5)));
-    write_mesh(folder / "sheet.obj", testing::terrain(8, 0.1));
-    write_mesh(folder / "strip.obj", testing::moebius());
+    write_mesh(folder / "inside_out.obj", reversed(ball));
+    write_mesh(folder / "flipped.obj", with_flipped(ball, 60));
+    write_mesh(folder / "hole.obj", without(ball, 60));
+    write_mesh(folder / "both.obj", joined(ball, reversed(ball)));
+    write_mesh(folder / "nested.obj", joined(ball, moved(ball, {}, 0.5)));
+    write_mesh(folder / "sheet.obj", terrain(8, 0.1));
+    write_mesh(folder / "strip.obj", moebius());
   }
   Ran compute(const std::string& options) const { return run(words("compute -r 24 -f -o out.vti " + options)); }
   DistanceField field() const { return read_field(folder / "out.vti"); }
@@ -226,4 +222,4 @@ TEST_F(Sign, VerifyFindsAForeignMesh) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

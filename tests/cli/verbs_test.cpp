@@ -11,14 +11,10 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
-class Verbs : public testing::ProgramTest {
+class Verbs : public ProgramTest {
  protected:
   static bool holds(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
   static bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
@@ -346,4 +342,4 @@ TEST_F(Verbs, ConvertFields) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

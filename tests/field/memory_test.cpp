@@ -23,11 +23,11 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/temp_folder.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::heap::Limit;
-using testing::heap::most_held;
+using heap::Limit;
+using heap::most_held;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Mesh kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
@@ -55,14 +55,14 @@ void expect_enough(const Mesh& mesh, double thickness) {
 }
 
 TEST(Memory, ThinBandsTakeNoMoreThanWasSaid) {
-  for (const double size : {4.0, 0.1}) expect_enough(testing::random_soup(5, 2000, 4, size), 0.3);
+  for (const double size : {4.0, 0.1}) expect_enough(random_soup(5, 2000, 4, size), 0.3);
   expect_enough(kTriangle, 0.3);
 }
 
 TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
   for (const double thickness : {2.0, kInfinity}) {
     expect_enough(kTriangle, thickness);
-    expect_enough(testing::random_soup(5, 2000, 4, 4), thickness);
+    expect_enough(random_soup(5, 2000, 4, 4), thickness);
   }
 }
 
@@ -104,7 +104,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   // Each in a tile of its own.
   const auto row_of = [&](int count) {
     Mesh mesh;
-    for (int n = 0; n < count; ++n) testing::append(mesh, mesh_of(1, 3 + 8 * n));
+    for (int n = 0; n < count; ++n) append(mesh, mesh_of(1, 3 + 8 * n));
     return mesh;
   };
   EXPECT_EQ(needed(row_of(256)) - needed(mesh_of(256, -1000)), kChunk + 256 * kRef);
@@ -121,7 +121,7 @@ void take_all(const Mesh& mesh, const Grid& grid, double thickness, const Comput
 
 TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
   const Grid grid = cube(80, {-5, -5, -5}, 10);
-  for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
+  for (const Mesh& mesh : {random_soup(5, 2000, 4, 0.3), kTriangle})
     for (const double thickness : {0.3, 2.0, kInfinity})
       for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::normal}) {
         ComputeOptions options{.sign = {.method = method}, .execution = {.threads = 2, .backend = Backend::cpu}};
@@ -139,7 +139,7 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
 // Signs and nearest triangles take memory too. Slabs may have 32 MiB of crossings; a ball has far fewer.
 TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
   const Grid grid = cube(80, {-1.25, -1.25, -1.25}, 2.5);
-  const Mesh ball = testing::sphere(24);
+  const Mesh ball = sphere(24);
   for (const double thickness : {0.1, kInfinity})
     for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
       for (const bool nearest : {false, true}) {
@@ -160,7 +160,7 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
 // A wall along a whole column: with and without the file, only one slab is in memory, however many there are.
 // The tiles of all windows are held before the first one is put into the field.
 TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
-  const Mesh before = testing::random_soup(5, 400, 4, 0.1);
+  const Mesh before = random_soup(5, 400, 4, 0.1);
   Mesh after = before;
   for (std::size_t t = 0; t < 120; ++t) after.vertices[after.triangles[t][0]].x += 0.05;
   const Grid grid = cube(192, {-5, -5, -5}, 10);
@@ -188,7 +188,7 @@ TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
 
 // A set of triangles takes memory, a vertex that no triangle uses has none.
 TEST(Memory, SumsOfUnusedVertices) {
-  Mesh mesh = testing::box();
+  Mesh mesh = box();
   mesh.vertices.resize(100'000, {3, 3, 3});
   const std::int64_t taken = most_held([&] { EXPECT_TRUE(OutwardSums(mesh).surely_outwards()); });
   EXPECT_LE(taken, OutwardSums::bytes(12, 100'000) + kSmallThings);
@@ -218,7 +218,7 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
 }
 
 TEST(Memory, WhatIsTooLargeMayFitInSlabs) {
-  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
+  const Mesh mesh = random_soup(5, 300, 4, 1);
   ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   const Grid grid = cube(160, {-5, -5, -5}, 10);
   options.memory_limit = estimate(mesh, grid, kInfinity, options, 1).slabs;
@@ -244,7 +244,7 @@ std::string refusal(const Mesh& mesh, const Grid& grid, double thickness, const 
 }
 
 TEST(Memory, WhatIsAdvisedHelps) {
-  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
+  const Mesh mesh = random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
     ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
     const Grid grid = cube(400, {-5, -5, -5}, 10);
@@ -272,7 +272,7 @@ TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
 }
 
 TEST(Memory, WhenThereIsNoneItIsALimitError) {
-  const Mesh mesh = testing::random_soup(5, 500, 4, 1);
+  const Mesh mesh = random_soup(5, 500, 4, 1);
   const Grid grid = cube(100, {-5, -5, -5}, 10);
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
   const auto expect_refused = [](std::int64_t bytes, const std::string& words, auto call) {
@@ -308,4 +308,4 @@ TEST(Memory, ALimitAndWhatIsOverItLookDifferent) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -6,8 +6,8 @@
 #include "tests/grammar/gltf_parts.h"
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/json.h"
-#include "tests/grammar/placed.h"
 #include "tests/grammar/shape.h"
+#include "tests/grammar/transform.h"
 
 namespace standoff::grammar {
 namespace {
