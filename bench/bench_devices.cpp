@@ -90,8 +90,7 @@ void measure_collisions(int count) {
   std::vector<Pose> poses;
   for (int n = 0; n < count; ++n) {
     const auto at = [n](double step) { return n * step - static_cast<double>(static_cast<std::int64_t>(n * step)); };
-    Pose pose;
-    pose.translation = box.min + box.extent() * Vec3{at(0.8191725134), at(0.6710436067), at(0.5497004779)};
+    Pose pose{.translation = box.min + box.extent() * Vec3{at(0.8191725134), at(0.6710436067), at(0.5497004779)}};
     poses.push_back(pose);
   }
   BatchResult<CollisionResult> of_cpu, of_gpu;

@@ -218,8 +218,11 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
   const Shading shading = layers.flat ? Shading::flat : Shading::smooth;
   if (layers.mesh)
     for (std::size_t n = 0; n < meshes_.size(); ++n) {
-      MeshLayer layer{.mesh = meshes_[n].mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges};
-      layer.up = meshes_[n].report.up;
+      MeshLayer layer{.mesh = meshes_[n].mesh,
+                      .opacity = layers.opacity,
+                      .shading = shading,
+                      .edges = layers.edges,
+                      .up = meshes_[n].report.up};
       if (n > 0) layer.color = kBodyColors[(n - 1) % kBodyColors.size()];
       drawing_.meshes.push_back(layer);
     }

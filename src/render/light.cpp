@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "standoff/compute.h"
-#include "standoff/mesh.h"
 
 namespace standoff {
 namespace {

@@ -3,7 +3,6 @@
 // is lost.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <functional>
 #include <string>

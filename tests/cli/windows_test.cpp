@@ -2,11 +2,8 @@
 // standoff compute --window and --decision: windows that programs of their own compute, by a sign that one decided.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 
-#include "scenes/scenes.h"
-#include "standoff/io.h"
 #include "standoff/sign_decision.h"
 #include "tests/cli/program.h"
 

@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <ranges>
-#include <stdexcept>
 #include <vector>
 
 #include "field_samples.h"

@@ -94,8 +94,7 @@ TEST(Compute, MemoryNeededDoesNotOverflow) {
 
 TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
-    ComputeOptions options{.skip = {.kind = kind}, .sign = {SignMethod::none}};
-    return estimate(1'000'000, kComputeGrid, 1, options).whole;
+    return estimate(1'000'000, kComputeGrid, 1, {.skip = {.kind = kind}, .sign = {SignMethod::none}}).whole;
   };
   const auto none = needed(SkipRule::Kind::none);
   EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);

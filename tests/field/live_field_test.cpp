@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "standoff/update.h"
-#include "tests/collision/bodies.h"
 #include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"

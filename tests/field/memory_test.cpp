@@ -3,7 +3,6 @@
 // allocations.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <regex>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "core/memory.h"
-#include "field/plan.h"
 #include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"

@@ -148,8 +148,7 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
 // of the point in +z, then in +x.
 TEST(OnSurface, WhereTheValueIsNotZeroItsSideIsThatOfThePointBeyondInY) {
   const BoxOnGrid& box = kBoxes[1];
-  ComputeOptions options{.sign = {.method = SignMethod::winding}};
-  const DistanceField field = compute(box.mesh(), box.grid, kInfinity, options).field;
+  const DistanceField field = compute(box.mesh(), box.grid, kInfinity, {.sign = {.method = SignMethod::winding}}).field;
   int negative = 0, positive = 0;
   for_each_sample(box.grid, [&](auto i, auto j, auto k) {
     if (box.place(i, j, k) == BoxOnGrid::Place::off) return;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "scenes/scenes.h"
-#include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {

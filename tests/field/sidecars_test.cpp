@@ -6,11 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "scenes/scenes.h"
 #include "standoff/compute.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scenes.h"
 #include "standoff/io.h"
 #include "standoff/windows.h"
 #include "tests/collision/bodies.h"

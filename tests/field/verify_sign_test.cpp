@@ -17,13 +17,11 @@ const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kSignGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options{.sign = sign};
-  return compute(mesh, kSignGrid, thickness, options).field;
+  return compute(mesh, kSignGrid, thickness, {.sign = sign}).field;
 }
 
 VerifyResult verified(const DistanceField& field, const Mesh& mesh) {
-  VerifyOptions options{.samples = kSignGrid.sample_count()};
-  return verify(field, mesh, options);
+  return verify(field, mesh, {.samples = kSignGrid.sample_count()});
 }
 
 // The field with values changed by change(value, index) and another provenance.
@@ -251,8 +249,7 @@ TEST(VerifySign, AllThatComputeMakes) {
         SignOptions{.method = SignMethod::shell, .shell = 0.3},
         SignOptions{.method = SignMethod::shell, .invert = true, .shell = 0.05}})
     for (const double thickness : {0.1, kFullField}) {
-      ComputeOptions options{.sign = sign, .nearest = true};
-      const DistanceField field = compute(broken, kSignGrid, thickness, options).field;
+      const DistanceField field = compute(broken, kSignGrid, thickness, {.sign = sign, .nearest = true}).field;
       const VerifyResult found = verified(field, broken);
       EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored
                               << " at distance " << found.sign.worst.expected << ", " << found.samples_wrong

@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 #include <system_error>
 
 #include "tests/grammar/judge.h"

@@ -11,7 +11,6 @@
 #include "page/page.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
-#include "standoff/error.h"
 
 namespace standoff {
 namespace {

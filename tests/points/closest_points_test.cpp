@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "standoff/compute.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 

@@ -137,8 +137,7 @@ TEST(MeshQueryGradient, OfTrianglesWithoutAreaIsAUnitVectorToo) {
 
 TEST(MeshQueryGradient, WantsATriangleOfTheMesh) {
   const MeshQuery query(box(), {.sign = {SignMethod::none}});
-  ClosestPoint at;
-  at.triangle = 11;
+  ClosestPoint at{.triangle = 11};
   EXPECT_NO_THROW(query.gradient({}, at));
   at.triangle = 12;
   expect_error([&] { query.gradient({}, at); }, ErrorCode::usage, "12");

@@ -6,10 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <queue>
 
-#include "core/tile_count.h"
 #include "scenes/scenes.h"
 #include "sign/flood/grid_edges.h"
 #include "sign/rows/row_crossings.h"

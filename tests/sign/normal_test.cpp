@@ -14,7 +14,6 @@
 #include "standoff/compute.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
-#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 
 namespace standoff::testing {

@@ -63,8 +63,7 @@ TEST(Stop, WithinARowOfTilesOfASoup) {
       60);
   expect_many_questions(
       [&](const ProgressCallback& progress) {
-        ComputeOptions options{.sign = kWinding, .execution = kOneThread, .progress = progress};
-        compute(mesh, kOneRowOfTiles, 0.05, options);
+        compute(mesh, kOneRowOfTiles, 0.05, {.sign = kWinding, .execution = kOneThread, .progress = progress});
       },
       60, "sign");
 }

@@ -94,8 +94,7 @@ std::shared_ptr<const MeshQuery> LiveView::query() {
   SignMethod sign = settings().sign.method;
   if (!find_info(sign)->at_points || sign == SignMethod::shell) sign = SignMethod::automatic;
   if (!query_ || query_version_ != subject.version || query_sign_ != sign) {
-    MeshQueryOptions options{.sign = {.method = sign}};
-    query_ = std::make_shared<const MeshQuery>(*subject.mesh, options);
+    query_ = std::make_shared<const MeshQuery>(*subject.mesh, MeshQueryOptions{.sign = {.method = sign}});
     query_version_ = subject.version;
     query_sign_ = sign;
   }

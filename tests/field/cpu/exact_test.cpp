@@ -3,7 +3,6 @@
 // labels: memory
 #include <gtest/gtest.h>
 
-#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 

@@ -2,11 +2,8 @@
 // Solids in solids, across each other and through themselves: which samples are inside follows from formulas.
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
-#include "tests/support/expect_error.h"
 #include "tests/support/sanitized.h"
 
 namespace standoff {
