@@ -29,10 +29,8 @@ constexpr std::int64_t kOneLayer = 1;  // slabs of 16 slices, the thinnest
 Mesh open_ball() { return with_hole(ball_mesh(1, 6), 40, 55); }
 
 ComputeOptions by(SignMethod method, int threads = 2) {
-  ComputeOptions options{.sign = {.method = method}};
-  if (method == SignMethod::shell) options.sign.shell = 0.2;
-  options.execution = {.threads = threads, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = method, .shell = method == SignMethod::shell ? 0.2 : 0},
+          .execution = {.threads = threads, .backend = Backend::cpu}};
 }
 
 // But for the samples that were examined: a triangle that reaches few bricks of a slab is not tested against each.

@@ -77,10 +77,8 @@ void expect_parts(const Mesh& mesh, double thickness, const ComputeOptions& opti
 }
 
 ComputeOptions by(SignMethod method) {
-  ComputeOptions options{.sign = {.method = method}};
-  if (method == SignMethod::shell) options.sign.shell = 0.2;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = method, .shell = method == SignMethod::shell ? 0.2 : 0},
+          .execution = {.threads = 2, .backend = Backend::cpu}};
 }
 
 TEST(Windows, ThinThickAndFull) {

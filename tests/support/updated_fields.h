@@ -12,10 +12,8 @@
 namespace standoff::testing {
 
 inline ComputeOptions update_options(SignMethod method, bool as_oriented = false) {
-  ComputeOptions options{.sign = {.method = method, .as_oriented = as_oriented}};
-  if (method == SignMethod::shell) options.sign.shell = 0.05;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = method, .as_oriented = as_oriented, .shell = method == SignMethod::shell ? 0.05 : 0},
+          .execution = {.threads = 2, .backend = Backend::cpu}};
 }
 
 template <class A, class B>
