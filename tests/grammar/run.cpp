@@ -17,7 +17,6 @@
 
 #include "tests/grammar/judge.h"
 #include "tests/grammar/memory.h"
-#include "tests/grammar/traps.h"
 
 namespace standoff::grammar {
 namespace {
