@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Distances of a million points from meshes of all kinds: standoff's MeshQuery beside Embree's point query and FCPW, and
-with a sign beside libigl and Open3D. Writes points.csv and points-build.csv; point_quotes.py makes tables of them."""
+with a sign beside libigl and Open3D. Writes points.csv and points-build.csv; output_quotes.py makes tables of them."""
 
 import tempfile
 from pathlib import Path
