@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from harness import machine_lines, markdown, peer_python, results_folder, write_csv
+from harness import chosen, header_of, peer_python, results_folder, tell, write_csv
 from many_fields import write_meshes
 
 FORMATS = ("stl", "obj", "ply", "glb")
@@ -63,23 +63,22 @@ def row(what, by, count, triangles, found, ours):
     return shown | ({"standoff is faster": f"{found['s'] / ours['s']:.3g}x"} if ours else {})
 
 
-def run(workload, with_peers, only, rounds, build, note="", count=None):
+def run(workloads, with_peers, only, rounds, build, note="", count=None):
     """All jobs, each the median of some runs; with `only` those of that name, and nothing is written."""
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+    header = header_of(build, note)
+    workload = workloads["batch"]
     count, rows = count or workload["meshes"], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         print(f"  making {count} meshes", file=sys.stderr)
         triangles = make_meshes(folder, count)
-        for job in workload["jobs"]:
-            if only and only not in job["name"]:
-                continue
+        for job in chosen(workload["jobs"], only):
             runs = [run_batch(str(Path(build) / "standoff"), folder, job) for _ in range(rounds or workload["rounds"])]
             found = sorted(runs, key=lambda run: run["s"])[len(runs) // 2]
             rows.append(row(job["what"], "standoff batch", count, triangles, found, None))
             line = peer_python("many_fields.py", "open3d", count, folder) if with_peers and job.get("peer") else None
             if line:
                 rows.append(row(f"the same, no files; of {line['done']} meshes", "Open3D, a pool of processes", count, triangles, line, found))
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    tell(header, rows)
     if not only and with_peers:
         write_csv(results_folder() / "batch.csv", header, rows)

@@ -59,8 +59,7 @@ void measure_field(const std::string& scene, std::int64_t triangles, std::int64_
       std::to_string(mesh.triangles.size()) + "@" + std::to_string(side) + "/" +
           std::to_string(static_cast<int>(spacings)),
       [&](Backend backend) {
-        ComputeOptions options{.sign = {SignMethod::none}, .hash_mesh = false};
-        options.execution.backend = backend;
+        ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = backend}, .hash_mesh = false};
         (backend == Backend::cpu ? of_cpu : of_gpu) = compute(mesh, grid, spacings * grid.max_spacing(), options).field;
       },
       [&] { return of_cpu.to_dense() == of_gpu.to_dense(); });
@@ -91,8 +90,7 @@ void measure_collisions(int count) {
   std::vector<Pose> poses;
   for (int n = 0; n < count; ++n) {
     const auto at = [n](double step) { return n * step - static_cast<double>(static_cast<std::int64_t>(n * step)); };
-    Pose pose;
-    pose.translation = box.min + box.extent() * Vec3{at(0.8191725134), at(0.6710436067), at(0.5497004779)};
+    Pose pose{.translation = box.min + box.extent() * Vec3{at(0.8191725134), at(0.6710436067), at(0.5497004779)}};
     poses.push_back(pose);
   }
   BatchResult<CollisionResult> of_cpu, of_gpu;

@@ -15,9 +15,7 @@ using bench::Workload;
 
 nlohmann::json run(const Workload& work, const bench::IsoSettings& settings) {
   const DistanceField field = bench::signed_field(work);
-  SurfaceOptions options;
-  options.at = settings.at * work.grid.spacing.x;
-  options.execution.threads = work.threads;
+  SurfaceOptions options{.at = settings.at * work.grid.spacing.x, .execution = {.threads = work.threads}};
   nlohmann::json line = work.describe();
   line["driver"] = "standoff";
   SurfaceResult result;

@@ -16,8 +16,7 @@ struct Settings {
 };
 
 nlohmann::json run(const PointWorkload& work, const Settings& settings) {
-  MeshQueryOptions options;
-  options.execution = {.threads = work.threads, .backend = Backend::cpu};
+  MeshQueryOptions options{.execution = {.threads = work.threads, .backend = Backend::cpu}};
   // As the peers decide: by the winding number of the mesh as it is.
   options.sign = {.method = settings.with_sign ? SignMethod::winding : SignMethod::none,
                   .as_oriented = settings.with_sign};

@@ -16,9 +16,7 @@ using bench::Workload;
 nlohmann::json run(const Workload& work) {
   const std::array kinds{SidecarKind::closest_point, SidecarKind::barycentric, SidecarKind::feature,
                          SidecarKind::gradient};
-  ComputeOptions plain;
-  plain.sign = {SignMethod::none};
-  plain.execution = {.threads = work.threads, .backend = Backend::cpu};
+  ComputeOptions plain{.sign = {SignMethod::none}, .execution = {.threads = work.threads, .backend = Backend::cpu}};
   ComputeOptions with_nearest = plain;
   with_nearest.nearest = true;
   DistanceField bare, field;

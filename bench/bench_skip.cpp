@@ -92,11 +92,8 @@ std::vector<Triangle> kept_by_any(MeshView mesh) {
 
 nlohmann::json measure(const Workload& work, const std::string& rule, SkipRule::Kind kind, Method method) {
   nlohmann::json line{{"method", method == Method::tiles ? "tiles" : "thesis"}, {"rule", rule}};
-  ComputeOptions options;
-  options.method = method;
-  options.skip.kind = kind;
-  options.sign = {SignMethod::none};
-  options.execution.threads = work.threads;
+  ComputeOptions options{
+      .method = method, .skip = {.kind = kind}, .sign = {SignMethod::none}, .execution = {.threads = work.threads}};
   Workload kept = work;
   if (rule == "any")
     bench::measure_calls(work.repeats, "rule", line, [&] { kept.mesh.triangles = kept_by_any(work.mesh); });

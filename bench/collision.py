@@ -5,7 +5,7 @@ them with one thread and with two (bench_collision.cpp)."""
 import math
 
 import quotes
-from harness import machine_lines, markdown, results_folder, write_csv
+from harness import chosen, header_of, markdown, results_folder, tell, write_csv
 
 PEERS = ("fcl", "coal")
 
@@ -76,14 +76,9 @@ def milliseconds(line, who):
     return ("> " if line[f"{who}_late"] else "") + (f"{value:.0f}" if value >= 100 else f"{value:.3g}" if value >= 0.01 else f"{value:.5f}")
 
 
-def header_of(build, note):
-    """Asked for before anything runs: the commit may be another one afterwards. The note says what a reader must know."""
-    return machine_lines(build) + ([f"note: {note}"] if note else [])
-
-
 def write(tables, only, header):
     """Prints the tables that have rows, {file name: rows}; all of them together are written too."""
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), *(markdown(rows) for rows in tables.values() if rows)]))
+    tell(header, *tables.values())
     if not only:
         for name, rows in tables.items():
             write_csv(results_folder() / f"{name}.csv", header, rows)
@@ -121,11 +116,11 @@ def cut_short(args, options):
     return args
 
 
-def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
+def all_rows(drivers, peers, job, pairs, rounds, header, rows, only):
     """Adds the rows of the pairs that have none yet. The file is written after each pair: some take minutes, and a run
     that is stopped can go on."""
     measured = {row["pair"] for row in rows}
-    for pair in chosen:
+    for pair in pairs:
         if peers and pair["name"] not in measured:
             rows = sorted(rows + pair_rows(drivers, peers, job, pair, rounds), key=worst_first)
             if not only:
@@ -133,18 +128,17 @@ def all_rows(drivers, peers, job, chosen, rounds, header, rows, only):
     return rows
 
 
-def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough_s=None, limit_s=None):
+def run(drivers, workloads, with_peers, only, rounds, build, note="", missing=False, enough=None, limit=None):
     """A line for each question about each pair, and the worst, median and best of each query; a line for each batch, from
     the process with the median ratio of three."""
-    chosen = lambda jobs: (job for job in jobs if not only or only in job["name"])
     header = header_of(build, note)
     peers = [peer for peer in PEERS if with_peers and drivers.has(peer)]
     job = workloads["collision"]
-    job = job | {"args": cut_short(job["args"], {"--enough": enough_s, "--limit": limit_s})}
+    job = job | {"args": cut_short(job["args"], {"--enough": enough, "--limit": limit})}
     before = measured_before(header) if missing and not only else []
-    rows = all_rows(drivers, peers, job, chosen(job["pairs"]), rounds, header, before, only)
+    rows = all_rows(drivers, peers, job, chosen(job["pairs"], only), rounds, header, before, only)
     batches = [batch_row(batch, middle([drivers.run("collision", batch["args"], None) for _ in range(rounds or 3)]))
-               for batch in chosen(workloads["batches"])]
+               for batch in chosen(workloads["batches"], only)]
     write({"collision": rows, "collision-threads": batches}, only, header)
     print("\n" + markdown(quotes.summary(rows, True)) if rows else "")
     if rows and not only and results_folder().name == quotes.QUOTED:

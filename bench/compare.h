@@ -18,9 +18,7 @@ namespace standoff::bench {
 /// The exact field, by standoff's default method.
 inline std::vector<float> exact_field(const Workload& work) {
   std::vector<float> values(static_cast<std::size_t>(work.grid.sample_count()));
-  ComputeOptions options;
-  options.sign = {SignMethod::none};
-  options.execution.threads = work.threads;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = work.threads}};
   compute_into(work.mesh, work.grid, work.thickness, values, options);
   return values;
 }

@@ -214,8 +214,7 @@ Mesh glove(double apart, const std::string& file) {
   Mesh mesh = read_mesh(file).mesh;
   const Box box = bounds(mesh);
   for (Vec3& v : mesh.vertices) v = (v - box.center()) * (100 / box.longest_side());
-  SurfaceOptions options;
-  options.at = 100 * apart;
+  SurfaceOptions options{.at = 100 * apart};
   const Vec3 room = Vec3{2, 2, 2} * options.at;
   const Box around = bounds(mesh);
   return surface(mesh, fit_resolution({around.min - room, around.max + room}, 200), options).mesh;

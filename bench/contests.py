@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """standoff beside its peers: same job, same run, alternating processes."""
 
-from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
+from harness import chosen, machine_lines, markdown, median, results_folder, seconds, write_csv
 
 MEGABYTE = 1 << 20
 # What runs.csv keeps of a driver's line.
@@ -95,9 +95,7 @@ def run(drivers, workloads, with_peers, only, rounds, build):
     """Runs all contests (or those whose name holds `only`), prints the tables; all of them together are written too."""
     tables = {"ratios": [], "memory": [], "threads": []}
     raw = []
-    for contest in workloads["contests"]:
-        if only and only not in contest["name"]:
-            continue
+    for contest in chosen(workloads["contests"], only):
         lines = run_contest(drivers, contest, with_peers, rounds)
         tables["ratios"] += [ratio_row(contest, against, lines) for against in contest["against"]]
         tables["memory"] += [memory_row(contest, output, lines) for driver, output in lines if driver == "standoff"]

@@ -5,7 +5,7 @@ codecs. Writes files.csv."""
 import tempfile
 from pathlib import Path
 
-from harness import machine_lines, markdown, median, results_folder, write_csv
+from harness import chosen, header_of, median, results_folder, tell, write_csv
 
 MEGABYTE = 1e6
 
@@ -45,11 +45,10 @@ def run_job(drivers, job, with_peers, rounds):
 
 
 def run(drivers, workloads, with_peers, only, rounds, build, note=""):
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+    header = header_of(build, note)
     rows = []
-    for job in workloads["files"]:
-        if not only or only in job["name"]:
-            rows += run_job(drivers, job, with_peers, rounds)
-            if not only and with_peers:  # after each, for the large ones take long
-                write_csv(results_folder() / "files.csv", header, rows)
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    for job in chosen(workloads["files"], only):
+        rows += run_job(drivers, job, with_peers, rounds)
+        if not only and with_peers:  # after each, for the large ones take long
+            write_csv(results_folder() / "files.csv", header, rows)
+    tell(header, rows)

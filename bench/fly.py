@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from harness import machine_lines, markdown, results_folder, write_csv
+from harness import header_of, markdown, results_folder, write_csv
 
 # What else a machine does only makes a flight slower, so the fastest of several counts.
 ROUNDS = 3
@@ -107,7 +107,7 @@ def run(workloads, build, note=""):
     by_speed = [row_of(fly(program, *common, "--steps", job["steps"], "--mode", mode, "--speed", speed, rounds=ROUNDS))
                 for mode in ("thesis", "sweep") for speed in job["speeds"]]
     recompute, large = recomputed(program, job), among_millions(program, job["large"])
-    header, folder = [*machine_lines(build), f"the fastest of {ROUNDS} flights", *([f"note: {note}"] if note else [])], results_folder()
+    header, folder = [*header_of(build, note), f"the fastest of {ROUNDS} flights"], results_folder()
     for name, rows in (("grid", by_grid), ("speed", by_speed), ("recompute", recompute), ("large", large)):
         print(markdown(rows) + "\n")
         write_csv(folder / f"fly_{name}.csv", header, rows)

@@ -14,10 +14,6 @@ import sys
 from pathlib import Path
 
 BENCH = Path(__file__).resolve().parent
-PROGRAMS = {"standoff": "bench_standoff", "sign": "bench_sign", "skip": "bench_skip", "openvdb": "peer_openvdb", "embree": "peer_embree", "exact": "bench_exact", "collision": "bench_collision",
-            "fcl": "peer_fcl", "coal": "peer_coal", "points": "bench_points", "embree_points": "peer_embree_points",
-            "iso": "bench_iso", "openvdb_iso": "peer_openvdb_iso", "files": "bench_files",
-            "openvdb_files": "peer_openvdb_files", "sidecars": "bench_sidecars", "limits": "bench_limits", "render": "bench_render"}
 
 
 class Drivers:
@@ -26,8 +22,13 @@ class Drivers:
     def __init__(self, build):
         self.folder = Path(build) / "bench"
 
+    def path(self, driver):
+        """Those of standoff are called bench_NAME, those of others peer_NAME."""
+        ours = self.folder / f"bench_{driver}"
+        return ours if ours.exists() else self.folder / f"peer_{driver}"
+
     def has(self, driver):
-        return (self.folder / PROGRAMS[driver]).exists()
+        return self.path(driver).exists()
 
     def run(self, driver, args, repeats, **options):
         """One process; returns what its JSON line says. Options become --name value, or --name when True."""
@@ -38,7 +39,7 @@ class Drivers:
 
     def run_lines(self, driver, args):
         """One process that prints a JSON line for each thing it measured."""
-        command = [str(self.folder / PROGRAMS[driver]), *args]
+        command = [str(self.path(driver)), *args]
         print("  " + " ".join(command), file=sys.stderr)
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if done.returncode:
@@ -103,6 +104,16 @@ def machine_lines(build):
     ]
 
 
+def header_of(build, note=""):
+    """The same, and what a reader must know of this run. Asked for before anything runs: the commit may be another one afterwards."""
+    return machine_lines(build) + ([f"note: {note}"] if note else [])
+
+
+def chosen(jobs, only):
+    """All jobs, or those whose name holds `only`."""
+    return [job for job in jobs if not only or only in job["name"]]
+
+
 def results_folder():
     folder = BENCH / "results" / machine_name()
     folder.mkdir(parents=True, exist_ok=True)
@@ -135,6 +146,11 @@ def markdown(rows):
     lines = ["| " + " | ".join(columns) + " |", "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
     lines += ["| " + " | ".join(str(row.get(column, "")) for column in columns) + " |" for row in rows]
     return "\n".join(lines)
+
+
+def tell(header, *tables):
+    """Prints the header and the tables that have rows."""
+    print("\n\n".join(["\n".join(f"- {line}" for line in header), *(markdown(rows) for rows in tables if rows)]))
 
 
 def seconds(value):

@@ -2,7 +2,7 @@
 """Fields beside their floor: what one core of this machine needs at least to read the mesh once, to measure each sample that gets
 a distance once, and to write the field once. Writes limits.csv, which docs/limits.md quotes."""
 
-from harness import machine_lines, markdown, results_folder, write_csv
+from harness import chosen, header_of, results_folder, tell, write_csv
 
 
 def row(job, rates, line):
@@ -28,11 +28,11 @@ def jobs(contests):
 
 def run(drivers, workloads, only, build, note=""):
     rates = drivers.run("limits", [], 9)
-    header = machine_lines(build) + [
+    header = header_of(build, note) + [
         f"one core writes {1e-9 / rates['write_s_per_byte']:.1f} GB/s, reads {1e-9 / rates['read_s_per_byte']:.1f} GB/s, measures a sample in "
-        f"{1e9 * rates['measure_s']:.2f} ns"] + ([f"note: {note}"] if note else [])
+        f"{1e9 * rates['measure_s']:.2f} ns"]
     rows = [row(job, rates, drivers.run("standoff", [*job["args"], *sign], 7, threads=1))
-            for job, sign in jobs(workloads["contests"]) if not only or only in job["name"]]
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+            for job, sign in jobs(chosen(workloads["contests"], only))]
+    tell(header, rows)
     if not only:
         write_csv(results_folder() / "limits.csv", header, rows)

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import methods_page
 import numpy as np
-from harness import BENCH, PROGRAMS, commit, machine_lines, results_folder, write_csv
+from exact_points import read_mesh
+from harness import BENCH, commit, machine_lines, results_folder, write_csv
 
 MARGIN = 4  # samples between the mesh and the border of the grid; also the thickness of bands, in samples
 RESOLUTIONS = (64, 128, 256)
@@ -112,10 +113,6 @@ METHODS = [
 
 # ---- Meshes and truth ----
 
-def read_raw(folder):
-    return np.fromfile(folder / "vertices.f64").reshape(-1, 3), np.fromfile(folder / "triangles.u32", np.uint32).reshape(-1, 3)
-
-
 def split_in_four(vertices, triangles):
     """Each triangle by the middles of its edges, which neighbours share."""
     edges = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
@@ -145,7 +142,7 @@ class Case:
             path = work / f"{shape.name}.ply"
             if not path.exists():
                 drivers.run("exact", [*shape.args, "--samples", "64", "--margin", str(MARGIN), "--full"], None, truth=work / "before", count=2)
-                write_ply(path, *shape.change(*read_raw(work / "before")))
+                write_ply(path, *shape.change(*read_mesh(work / "before")))
             mesh = ["--mesh", str(path)]
         self.args = [*mesh, "--samples", str(side), "--margin", str(MARGIN)]
         if not (self.folder / "given.f32").exists():
@@ -157,7 +154,7 @@ class Case:
         self.samples = np.fromfile(self.folder / "samples.i64", np.int64)
         self.distances = np.fromfile(self.folder / "distances.f64") / self.spacing
         self.windings = np.fromfile(self.folder / "windings.i8", np.int8)
-        vertices, triangles = read_raw(self.folder)
+        vertices, triangles = read_mesh(self.folder)
         corners = vertices[triangles]
         self.triangles = len(triangles)
         self.edge = np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)) / self.spacing
@@ -198,7 +195,7 @@ def command(drivers, case, method, values, limit):
         signed = [a for a in method.args if a != "--signed" or case.shape.closed]
         return [os.environ["STANDOFF_PEER_PYTHON"], str(BENCH / "peer_methods.py"), signed[0], str(case.folder), *signed[1:], *repeats]
     kind = ["--full"] if method.field == FULL else ["--thickness", str(MARGIN)]
-    return [str(drivers.folder / PROGRAMS[method.driver]), *case.args, *kind, *method.args, "--threads", str(method.threads), *repeats]
+    return [str(drivers.path(method.driver)), *case.args, *kind, *method.args, "--threads", str(method.threads), *repeats]
 
 
 def measure(drivers, case, method, limit):

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from exact_points import read_mesh
 from peer_points import Fcpw, Libigl, Open3D
 
 
@@ -196,8 +197,7 @@ def main():
         __import__(MODULES.get(arguments.library, arguments.library))
     except ImportError:
         return 3
-    vertices = np.fromfile(arguments.folder / "vertices.f64").reshape(-1, 3)
-    triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
+    vertices, triangles = read_mesh(arguments.folder)
     grid = json.loads((arguments.folder / "grid.json").read_text())
     if arguments.library in ("pcu", "trimesh") and np.prod(grid["shape"]) > MOST:
         return 3

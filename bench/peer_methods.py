@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import peer_fields
+from exact_points import read_mesh
 
 
 class Voxels:
@@ -194,8 +195,7 @@ def main():
         given = np.fromfile(arguments.folder / "given.f32", np.float32).reshape(shape)
         make = lambda: TRANSFORMS[arguments.peer](given, grid)
     else:
-        vertices = np.fromfile(arguments.folder / "vertices.f64").reshape(-1, 3)
-        triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
+        vertices, triangles = read_mesh(arguments.folder)
         options = {} if arguments.peer == "fcpw" else {"signed": arguments.signed}
         make = lambda: LIBRARIES[arguments.peer](vertices, triangles, **options)
     wall, processor, line = [], [], {"driver": arguments.peer, "version": version(arguments.peer)}

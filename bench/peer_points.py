@@ -13,13 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from exact_points import read_mesh
+
 LONG = 20  # seconds; no further call after so many
-
-
-def read(folder):
-    folder = Path(folder)
-    return (np.fromfile(folder / "vertices.f64").reshape(-1, 3), np.fromfile(folder / "triangles.u32", np.uint32).reshape(-1, 3),
-            np.fromfile(folder / "points.f64").reshape(-1, 3))
 
 
 def morton_order(points):
@@ -144,7 +140,8 @@ def main():
     parser.add_argument("--answers", help="write the distances to this file, as raw doubles")
     arguments = parser.parse_args()
 
-    vertices, triangles, points = read(arguments.folder)
+    vertices, triangles = read_mesh(arguments.folder)
+    points = np.fromfile(Path(arguments.folder) / "points.f64").reshape(-1, 3)
     try:
         __import__({"libigl": "igl"}.get(arguments.peer, arguments.peer))
     except ImportError:

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from exact_points import read_mesh
+
 TURNS = 8
 
 
@@ -171,8 +173,8 @@ def main():
 
     os.environ["LP_NUM_THREADS"] = str(arguments.threads)  # of Mesa's rasterizer
     width, height = map(int, arguments.size.split("x"))
-    vertices = np.fromfile(arguments.folder / "vertices.f64").reshape(-1, 3).astype(np.float32)
-    triangles = np.fromfile(arguments.folder / "triangles.u32", np.uint32).reshape(-1, 3)
+    vertices, triangles = read_mesh(arguments.folder)
+    vertices = vertices.astype(np.float32)
     field = None
     if arguments.slice:
         field = np.fromfile(arguments.folder / "field.f32", np.float32), json.loads((arguments.folder / "grid.json").read_text())

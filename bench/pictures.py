@@ -4,7 +4,7 @@
 import tempfile
 from pathlib import Path
 
-from harness import machine_lines, markdown, median, peer_python, results_folder, seconds, write_csv
+from harness import chosen, header_of, median, peer_python, results_folder, seconds, tell, write_csv
 
 PEERS = {"vtk": "VTK", "polyscope": "polyscope"}
 
@@ -44,11 +44,10 @@ def rows_of(picture, lines):
 def run(drivers, workloads, with_peers, only, rounds, build, note=""):
     job = workloads["render"]
     rows = []
-    for picture in job["pictures"]:
-        if not only or only in picture["name"]:
-            with tempfile.TemporaryDirectory() as name:
-                rows += rows_of(picture, measure(drivers, picture, with_peers, rounds or job["rounds"], Path(name)))
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    for picture in chosen(job["pictures"], only):
+        with tempfile.TemporaryDirectory() as name:
+            rows += rows_of(picture, measure(drivers, picture, with_peers, rounds or job["rounds"], Path(name)))
+    header = header_of(build, note)
+    tell(header, rows)
     if not only and with_peers:
         write_csv(results_folder() / "render.csv", header, rows)

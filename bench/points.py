@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Distances of a million points from meshes of all kinds: standoff's MeshQuery beside Embree's point query and FCPW, and
-with a sign beside libigl and Open3D. Writes points.csv and points-build.csv; point_quotes.py makes tables of them."""
+with a sign beside libigl and Open3D. Writes points.csv and points-build.csv; output_quotes.py makes tables of them."""
 
 import tempfile
 from pathlib import Path
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from exact_points import compare, read_mesh
-from harness import machine_lines, markdown, median, peer_python, results_folder, write_csv
+from harness import chosen, header_of, median, peer_python, results_folder, tell, write_csv
 
 UNSIGNED, SIGNED = ("embree", "fcpw"), ("libigl", "open3d")
 FORMS = ("given", "morton", "bounded")
@@ -30,7 +30,7 @@ def ask_peer(drivers, peer, args, folder, with_sign):
                        *["--signed"] * with_sign)
 
 
-def chosen(folder, names, triangles, job, with_sign):
+def checked_points(folder, names, triangles, job, with_sign):
     """The points that all answers are checked at: some that are spread over all of them, and some whose signs differ."""
     answers = [np.fromfile(folder / f"{name}.f64") for name in names]
     few = int(np.clip(job["checked_pairs"] / triangles, 5, job["checked"]))
@@ -105,17 +105,15 @@ def run(drivers, workloads, with_peers, only, rounds, build, note="", count=None
     job = workloads["points"]
     limits = lambda kind: {key: job[key][kind] for key in ("at_least", "goal")}
     rows, builds = [], []
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    for mesh in job["meshes"]:
-        if only and only not in mesh["name"]:
-            continue
+    header = header_of(build, note)
+    for mesh in chosen(job["meshes"], only):
         for name, where in job["sets"].items():
             for with_sign in (False, True):
                 with tempfile.TemporaryDirectory() as folder:
                     args = [*mesh["args"], "--points", name, "--count", str(count or job["count"])]
                     peers = (SIGNED if with_sign else UNSIGNED) if with_peers else ()
                     lines = measure(drivers, args, peers, with_sign, rounds or job["rounds"], Path(folder))
-                    some = chosen(Path(folder), [*lines], lines["standoff"][0]["triangles"], job, with_sign)
+                    some = checked_points(Path(folder), [*lines], lines["standoff"][0]["triangles"], job, with_sign)
                     checks = {peer: agreement(Path(folder), peer, some, with_sign) for peer in lines}
                     more = against_libigl(Path(folder), lines)
                 asked = limits("signed" if with_sign else name)
@@ -125,4 +123,4 @@ def run(drivers, workloads, with_peers, only, rounds, build, note="", count=None
                 if not only and with_peers:  # after each, for it takes long
                     write_csv(results_folder() / "points.csv", header, rows)
                     write_csv(results_folder() / "points-build.csv", header, builds)
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows), markdown(builds)]))
+    tell(header, rows, builds)

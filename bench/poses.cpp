@@ -132,8 +132,7 @@ std::vector<Pose> spun_in_place(std::size_t count, const Question& question) {
 
 std::vector<Pose> PosesDrawn::of(const Question& question) {
   if (question.place) {
-    Pose pose;
-    pose.translation = *question.place;
+    Pose pose{.translation = *question.place};
     return {pose};
   }
   const std::size_t count = question.poses.value_or(settings_.poses);

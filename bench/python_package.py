@@ -6,14 +6,13 @@ that STANDOFF_PEER_PYTHON names, which has standoff and its peers installed."""
 import json
 import os
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from exact_points import compare
-from harness import BENCH, machine_lines, markdown, peer_python, results_folder, write_csv
+from exact_points import compare, read_mesh
+from harness import chosen, header_of, markdown, peer_python, results_folder, write_csv
 
 UNSIGNED = ("standoff", "fcpw", "open3d", "libigl", "warp", "pcu", "trimesh")
 SIGNED = ("standoff", "open3d", "libigl", "warp", "pcu", "trimesh", "mesh2sdf")
@@ -51,8 +50,7 @@ def mesh_file(job, folder):
 def exactness(folder, values, grid, signed, pairs):
     """How far some samples are from exact distances, and how many signs are wrong; looks at about so many pairs of a sample
     and a triangle."""
-    vertices = np.fromfile(folder / "vertices.f64").reshape(-1, 3)
-    triangles = np.fromfile(folder / "triangles.u32", np.uint32).reshape(-1, 3)
+    vertices, triangles = read_mesh(folder)
     few = max(10, int(pairs / len(triangles)))
     known = np.flatnonzero(np.isfinite(values.ravel()))
     some = known[np.linspace(0, len(known) - 1, few, dtype=int)]
@@ -90,11 +88,11 @@ def contest(job, signed, pairs):
     return rows
 
 
-def run(jobs, only, note, build):
+def run(workloads, only, note, build):
     """All contests, then the many files; with `only` those of that name, and nothing is written."""
     if not os.environ.get("STANDOFF_PEER_PYTHON"):
         raise SystemExit("bench: STANDOFF_PEER_PYTHON must name a Python that has standoff (pip install .) and its peers")
-    header = [*machine_lines(build), *([f"note: {note}"] if note else [])]
+    jobs, header = workloads["python"], header_of(build, note)
     if not only or only in "many":
         many = [line for line in (peer_python("many_fields.py", library, jobs["many"]) for library in ("standoff", "open3d")) if line]
         for line in many:
@@ -103,9 +101,7 @@ def run(jobs, only, note, build):
         if not only:
             write_csv(results_folder() / "python-many.csv", header, many)
     rows = []
-    for job in jobs["fields"]:
-        if only and only not in job["name"]:
-            continue
+    for job in chosen(jobs["fields"], only):
         for signed in (False,) if job.get("open") else (False, True):
             rows += contest(job, signed, jobs["checked_pairs"])
             if not only:  # after each, since the whole takes long

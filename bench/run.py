@@ -29,31 +29,38 @@ Tables go to stdout, progress to stderr, CSV files to bench/results/<machine>/."
 
 import argparse
 import importlib
+import inspect
 import json
 from pathlib import Path
 
 import collision
-import contests
-import field_files
-import fly
-import limits
-import pictures
 import quotes
-import scaling
-import sidecar_costs
-import sign
-import skip_rules
-import thesis_tables
-import update
-import windows
 from harness import BENCH, Drivers
+
+# Which module measures what, and the driver that it needs. Some need numpy, so that only what is asked for is imported.
+MEASURED = {"contests": ("contests", "standoff"), "scaling": ("scaling", "standoff"), "thesis": ("thesis_tables", "standoff"),
+            "skip": ("skip_rules", "skip"), "pairs": ("collision", "collision"), "sign": ("sign", "sign"),
+            "points": ("points", "points"), "iso": ("surfaces", "iso"), "files": ("field_files", "files"),
+            "windows": ("windows", "windows"), "update": ("update", "update"), "limits": ("limits", "limits"),
+            "sidecars": ("sidecar_costs", "sidecars"), "render": ("pictures", "render"), "python": ("python_package", None),
+            "batch": ("batch", None), "scale": ("scale", None), "methods": ("methods", "exact"), "fly": ("fly", None),
+            "view": ("view", None)}
+QUOTED = ("thesis", "skip", "limits")  # the documentation's tables are written right after these
+PEERS = {"contests": ("openvdb", "embree"), "scaling": ("openvdb", "embree"), "thesis": ("openvdb", "embree"), "sign": ("openvdb", "embree"), "pairs": collision.PEERS}
+
+
+def list_of(workloads):
+    """All that have names."""
+    kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches", "files")]
+    kinds += [workloads[kind]["fields"] for kind in ("iso", "sidecars", "python")]
+    kinds += [workloads["points"]["meshes"], workloads["render"]["pictures"], workloads["batch"]["jobs"], workloads["collision"]["pairs"]]
+    return [job for jobs in kinds for job in jobs]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", default="contests",
-                        choices=["contests", "scaling", "thesis", "skip", "pairs", "sign", "points", "iso", "files", "windows", "update", "limits", "sidecars", "render", "python", "batch", "scale", "methods",
-                                 "quote", "fly", "view"])
+                        choices=[*MEASURED, "quote"])
     parser.add_argument("--peers", action="store_true", help="run the peers too (built with STANDOFF_BENCH_PEERS)")
     parser.add_argument("--build", default=str(BENCH.parent / "build" / "bench"), help="build folder of the drivers")
     parser.add_argument("--only", help="workloads or tables whose name holds this; nothing is written then (but the rows of methods)")
@@ -71,73 +78,22 @@ def main():
     workloads = json.loads(Path(BENCH / "workloads.json").read_text())
     drivers = Drivers(arguments.build)
     if arguments.list:
-        kinds = [workloads[kind] for kind in ("contests", "sign", "scaling", "batches")]
-        kinds += [workloads["points"]["meshes"], workloads["iso"]["fields"], workloads["files"], workloads["sidecars"]["fields"], workloads["render"]["pictures"]]
-        kinds += [workloads["python"]["fields"], workloads["batch"]["jobs"]]
-        kinds += [workloads["collision"]["pairs"]]
-        for job in (job for jobs in kinds for job in jobs):
+        for job in list_of(workloads):
             print(f"{job['name']:24} {job['what']}")
         return
     if arguments.what == "quote":
         return quotes.write()
-    if arguments.what == "python":  # needs numpy
-        return importlib.import_module("python_package").run(workloads["python"], arguments.only, arguments.note, arguments.build)
-    if arguments.what == "batch":  # needs numpy
-        return importlib.import_module("batch").run(workloads["batch"], arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note,
-                                                    arguments.count)
-    if arguments.what == "scale":  # needs numpy
-        return importlib.import_module("scale").run(workloads["scale"], arguments.only, arguments.build, arguments.note)
-    if arguments.what == "methods":  # needs numpy
-        if not drivers.has("exact"):
-            parser.error(f"no drivers in {drivers.folder}; build them with script/bench methods")
-        return importlib.import_module("methods").run(drivers, arguments.only, arguments.mesh, arguments.limit, arguments.missing, arguments.unstopped,
-                                                      arguments.note, arguments.build)
-    if arguments.what == "fly":
-        return fly.run(workloads, arguments.build, arguments.note)
-    if arguments.what == "view":  # needs a browser
-        return importlib.import_module("view").run(arguments.build, arguments.only, arguments.rounds, arguments.note)
-    if arguments.what == "pairs":
-        if not drivers.has("collision") or arguments.peers and not any(map(drivers.has, collision.PEERS)):
-            parser.error(f"no drivers in {drivers.folder}; build them with script/bench pairs --peers")
-        return collision.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build,
-                             arguments.note, arguments.missing, arguments.enough, arguments.limit)
-    if arguments.what in ("points", "iso", "files", "sidecars", "render"):
-        if not drivers.has(arguments.what):
-            parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what}")
-        if arguments.what == "sidecars":
-            return sidecar_costs.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build, arguments.note)
-        if arguments.what in ("files", "render"):
-            measured = {"files": field_files, "render": pictures}[arguments.what]
-        else:  # these need numpy
-            measured = importlib.import_module({"points": "points", "iso": "surfaces"}[arguments.what])
-        more = {"count": arguments.count} if arguments.what == "points" else {}
-        return measured.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build, arguments.note, **more)
-    if arguments.what == "update":
-        return update.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
-    if arguments.what == "limits":
-        limits.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
-        return None if arguments.only else quotes.write()
-    if arguments.what == "windows":
-        return windows.run(drivers, workloads, arguments.only, arguments.build, arguments.note)
-    if arguments.what == "skip":
-        if not drivers.has("skip"):
-            parser.error(f"no drivers in {drivers.folder}; build them with script/bench skip")
-        skip_rules.run(drivers, arguments.only, arguments.build, arguments.note)
-        return None if arguments.only else quotes.write()
-    if not drivers.has("standoff"):
-        parser.error(f"no drivers in {drivers.folder}; build them with script/bench")
-    if arguments.peers and not (drivers.has("openvdb") or drivers.has("embree")):
+    name, driver = MEASURED[arguments.what]
+    if driver and not drivers.has(driver):
+        parser.error(f"no drivers in {drivers.folder}; build them with script/bench {arguments.what}")
+    if arguments.peers and arguments.what in PEERS and not any(map(drivers.has, PEERS[arguments.what])):
         parser.error(f"no peers in {drivers.folder}; configure with -DSTANDOFF_BENCH_PEERS=ON")
-    if arguments.what == "contests":
-        contests.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
-    elif arguments.what == "sign":
-        sign.run(drivers, workloads, arguments.peers, arguments.only, arguments.rounds, arguments.build)
-    elif arguments.what == "scaling":
-        scaling.run(drivers, workloads, arguments.only, arguments.rounds, arguments.build)
-    else:
-        thesis_tables.run(drivers, arguments.only, arguments.build)
-        if not arguments.only:
-            quotes.write()
+    run = importlib.import_module(name).run
+    # What a module takes, by the names of its parameters.
+    given = vars(arguments) | {"drivers": drivers, "workloads": workloads, "with_peers": arguments.peers}
+    run(**{parameter: given[parameter] for parameter in inspect.signature(run).parameters})
+    if arguments.what in QUOTED and not arguments.only:
+        quotes.write()
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 from batch import make_meshes, results_in
-from harness import machine_lines, markdown, peer_python, results_folder, write_csv
+from harness import chosen, header_of, peer_python, results_folder, tell, write_csv
 
 MACHINES = (1, 2, 10, 100, 1000)
 # What no machine here can tell. Change them to those of the cluster at hand.
@@ -85,11 +85,11 @@ def shown(seconds):
     return f"{seconds / 86_400:.3g} days"
 
 
-def run(workload, only, build, note=""):
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
+def run(workloads, only, build, note=""):
+    workload, header = workloads["scale"], header_of(build, note)
     header.append(f"assumed: {NETWORK:.3g} bytes/s of network a machine, {STORE:.3g} bytes/s and {FILES:.3g} files/s of the store")
     program = str(Path(build) / "standoff")
-    jobs = [job for job in workload["fields"] if not only or only in job["name"]]
+    jobs = chosen(workload["fields"], only)
     rows, checks = [], []
     found = peer_python("scale_measure.py", program, *map(json.dumps, jobs))
     if found is None:
@@ -120,7 +120,7 @@ def run(workload, only, build, note=""):
         for machines in MACHINES:
             seconds, limit = batch_seconds(pieces, batch["meshes"], machines, os.cpu_count(), FILES)
             rows.append({"job": batch["what"], "machines": machines, "time": shown(seconds), "limited by": limit})
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(checks), markdown(rows)]))
+    tell(header, checks, rows)
     if not only:
         write_csv(results_folder() / "scale.csv", header, rows)
         write_csv(results_folder() / "scale-check.csv", header, checks)

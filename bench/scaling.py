@@ -3,7 +3,7 @@
 
 import math
 
-from harness import machine_lines, markdown, median, results_folder, seconds, write_csv
+from harness import chosen, machine_lines, markdown, median, results_folder, seconds, write_csv
 
 # One growth worse than this between neighbouring points is marked: a tenth above linear is noise.
 WORSE_THAN_LINEAR = 1.1
@@ -42,9 +42,7 @@ def table(series, rows):
 def run(drivers, workloads, only, rounds, build):
     """Measures every series (or those whose name holds `only`), prints tables, writes CSV files and plots."""
     header, folder = machine_lines(build), results_folder()
-    for series in workloads["scaling"]:
-        if only and only not in series["name"]:
-            continue
+    for series in chosen(workloads["scaling"], only):
         rows = measure(drivers, series, rounds or 2)
         print(f"\n### {series['what']}\n\n{table(series, rows)}")
         if not only:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each sidecar adds to a band of distances. Writes sidecars.csv."""
 
-from harness import machine_lines, markdown, median, results_folder, write_csv
+from harness import chosen, header_of, median, results_folder, tell, write_csv
 
 KINDS = ("nearest", "closest_point", "barycentric", "feature", "gradient")
 
@@ -18,11 +18,10 @@ def row_of(job, limits, lines):
 def run(drivers, workloads, only, rounds, build, note=""):
     job = workloads["sidecars"]
     rows = []
-    for field in job["fields"]:
-        if not only or only in field["name"]:
-            lines = [drivers.run("sidecars", field["args"], 5) for _ in range(rounds or job["rounds"])]
-            rows.append(row_of(field, job, lines))
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    for field in chosen(job["fields"], only):
+        lines = [drivers.run("sidecars", field["args"], 5) for _ in range(rounds or job["rounds"])]
+        rows.append(row_of(field, job, lines))
+    header = header_of(build, note)
+    tell(header, rows)
     if not only:
         write_csv(results_folder() / "sidecars.csv", header, rows)

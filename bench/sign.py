@@ -2,22 +2,10 @@
 """What a sign costs: each workload of "sign" in workloads.json without and with it, in turns; beside libigl's fast
 winding number where a Python with libigl is named by STANDOFF_PEER_PYTHON, and OpenVDB's level sets where they are built."""
 
-import json
-import os
-import subprocess
 import tempfile
 from pathlib import Path
 
-from harness import BENCH, machine_lines, markdown, median, results_folder, write_csv
-
-
-def libigl(mesh, side, queries=200_000):
-    python = os.environ.get("STANDOFF_PEER_PYTHON")
-    if not python:
-        return {}
-    done = subprocess.run([python, str(BENCH / "peer_libigl.py"), mesh, str(side), str(queries)], stdout=subprocess.PIPE,
-                          text=True, check=True)
-    return json.loads(done.stdout)
+from harness import chosen, machine_lines, markdown, median, peer_python, results_folder, write_csv
 
 
 def row_of(drivers, job, with_peers, rounds):
@@ -34,7 +22,7 @@ def row_of(drivers, job, with_peers, rounds):
                "sign alone, M samples/s": f"{per_second / 1e6:.0f}",
                "peak MB unsigned": f"{max(l['memory_unsigned'] for l in lines) / 2**20:.0f}",
                "signed": f"{max(l['memory_signed'] for l in lines) / 2**20:.0f}"}
-        if with_peers and "peer_side" in job and (peer := libigl(mesh, job["peer_side"])):
+        if with_peers and "peer_side" in job and (peer := peer_python("peer_libigl.py", mesh, job["peer_side"], 200_000)):
             row |= {"libigl fast, k samples/s": f"{peer['fast_per_s'] / 1e3:.0f}",
                     "ratio": f"{per_second / peer['fast_per_s']:.0f}x",
                     "libigl exact, k samples/s": f"{peer['exact_per_s'] / 1e3:.1f}"}
@@ -49,9 +37,7 @@ def row_of(drivers, job, with_peers, rounds):
 
 
 def run(drivers, workloads, with_peers, only, rounds, build):
-    rows = [row_of(drivers, job, with_peers, rounds) for job in workloads["sign"] if not only or only in job["name"]]
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    rows = [{key: row.get(key, "") for key in keys} for row in rows]
+    rows = [row_of(drivers, job, with_peers, rounds) for job in chosen(workloads["sign"], only)]
     print(markdown(rows))
     if not only:
         write_csv(results_folder() / "sign.csv", machine_lines(build), rows)

@@ -8,10 +8,7 @@
 namespace standoff::bench {
 
 inline ComputeOptions signed_options(const Workload& work) {
-  ComputeOptions options;
-  options.sign.method = SignMethod::winding;
-  options.execution = {.threads = work.threads, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = SignMethod::winding}, .execution = {.threads = work.threads, .backend = Backend::cpu}};
 }
 
 inline DistanceField signed_field(const Workload& work, bool nearest = false) {

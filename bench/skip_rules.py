@@ -4,7 +4,7 @@ and one that compares a triangle with all others, which it wished for."""
 
 import json
 
-from harness import BENCH, machine_lines, markdown, results_folder, seconds, write_csv
+from harness import BENCH, header_of, markdown, results_folder, seconds, write_csv
 from thesis_tables import arguments, by_axis
 
 
@@ -46,4 +46,4 @@ def run(drivers, only, build, note):
     rows = [row for mesh in meshes for job in (mesh["rows"][0], mesh["rows"][-1]) for row in measure(drivers, mesh, job)]
     print(markdown(table(rows)))
     if not only:
-        write_csv(results_folder() / "skip.csv", ["scenes made by code stand in for the thesis's meshes", *machine_lines(build), *([f"note: {note}"] if note else [])], rows)
+        write_csv(results_folder() / "skip.csv", ["scenes made by code stand in for the thesis's meshes", *header_of(build, note)], rows)

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 from exact_points import read_mesh
-from harness import machine_lines, markdown, median, peer_python, results_folder, write_csv
+from harness import chosen, header_of, median, peer_python, results_folder, tell, write_csv
 from surface_check import closedness, in_words
 
 DEBIANS = "/usr/bin/python3"  # its VTK has TBB, PyPI's has not
@@ -44,9 +44,7 @@ def rows_of(job, limits, lines, found):
 def run(drivers, workloads, with_peers, only, rounds, build, note=""):
     job = workloads["iso"]
     rows = []
-    for field in job["fields"]:
-        if only and only not in field["name"]:
-            continue
+    for field in chosen(job["fields"], only):
         args = [*field["args"], "--at", str(field.get("at", 0))]
         with tempfile.TemporaryDirectory() as name:
             folder, lines = Path(name), {}
@@ -59,7 +57,7 @@ def run(drivers, workloads, with_peers, only, rounds, build, note=""):
                 if line := vtk(folder / "standoff", folder / "vtk"):
                     lines.setdefault("vtk", []).append(line)
             rows += rows_of(field, job, lines, {by: closedness(*read_mesh(folder / by)) for by in lines})
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    header = header_of(build, note)
+    tell(header, rows)
     if not only and with_peers:
         write_csv(results_folder() / "iso.csv", header, rows)

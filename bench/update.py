@@ -2,7 +2,7 @@
 """Updates of fields after 1 % of the triangles moved, in one place, by update_field() and by a LiveField, beside computing
 anew, by turns in one process. Writes update.csv."""
 
-from harness import machine_lines, markdown, results_folder, seconds, write_csv
+from harness import chosen, header_of, results_folder, seconds, tell, write_csv
 
 
 def row(job, line):
@@ -17,8 +17,8 @@ def row(job, line):
 
 
 def run(drivers, workloads, only, build, note=""):
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    rows = [row(job, drivers.run("update", job["args"], 9)) for job in workloads["update"] if not only or only in job["name"]]
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    header = header_of(build, note)
+    rows = [row(job, drivers.run("update", job["args"], 9)) for job in chosen(workloads["update"], only)]
+    tell(header, rows)
     if not only:
         write_csv(results_folder() / "update.csv", header, rows)

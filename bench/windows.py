@@ -2,7 +2,7 @@
 """Fields in windows beside whole fields, by turns in one process: what 64 windows cost more, in time of all processors. Writes
 windows.csv."""
 
-from harness import machine_lines, markdown, results_folder, seconds, write_csv
+from harness import chosen, header_of, results_folder, seconds, tell, write_csv
 
 
 def row(job, line):
@@ -13,8 +13,8 @@ def row(job, line):
 
 
 def run(drivers, workloads, only, build, note=""):
-    header = machine_lines(build) + ([f"note: {note}"] if note else [])
-    rows = [row(job, drivers.run("windows", job["args"], 5)) for job in workloads["windows"] if not only or only in job["name"]]
-    print("\n\n".join(["\n".join(f"- {line}" for line in header), markdown(rows)]))
+    header = header_of(build, note)
+    rows = [row(job, drivers.run("windows", job["args"], 5)) for job in chosen(workloads["windows"], only)]
+    tell(header, rows)
     if not only:
         write_csv(results_folder() / "windows.csv", header, rows)

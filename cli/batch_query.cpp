@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <string_view>
 
 #include "cli/options.h"
@@ -12,7 +11,6 @@
 #include "files/atomic_file.h"
 #include "files/file_view.h"
 #include "standoff/error.h"
-#include "standoff/io.h"
 
 namespace standoff::cli {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scripts by which shells complete command lines of the program. Each holds the same: verbs; the options of a verb;
 // what stands for the value of an option, and for the arguments in their order.
-#include <algorithm>
 #include <string>
 #include <vector>
 

@@ -6,12 +6,10 @@
 #include <cstddef>
 #include <ctime>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "cli/console.h"

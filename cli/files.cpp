@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <limits>
 
 #include "cli/console.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/suggest.h"
 #include "cli/text.h"
 #include "files/atomic_file.h"

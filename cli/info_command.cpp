@@ -11,7 +11,6 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/parse.h"
-#include "cli/process.h"
 #include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/inspect.h"

@@ -2,13 +2,11 @@
 #include "cli/manual.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <string_view>
 
 #include "cli/verb.h"
 #include "scenes/scenes.h"
-#include "standoff/compute.h"
 #include "standoff/io.h"
 #include "standoff/sign.h"
 

@@ -9,7 +9,6 @@
 #include "cli/manual.h"
 #include "cli/parse.h"
 #include "cli/suggest.h"
-#include "cli/text.h"
 #include "cli/verb.h"
 #include "standoff/error.h"
 

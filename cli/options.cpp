@@ -215,10 +215,6 @@ void add_details(CLI::App& verb, SignOptions& options) {
   verb.add_flag("--strict", options.strict, "fail with exit code 8 where the sign is not certain")->group(kSignGroup);
 }
 
-}  // namespace
-
-namespace {
-
 // "shell:T", "auto (default)".
 std::string shown_name(const SignMethodInfo& info, SignMethod by_default) {
   return std::string(info.name) + (info.method == SignMethod::shell ? ":T" : "") +

@@ -181,9 +181,8 @@ void DrawingInput::add_field_layers(const LayerOptions& layers, const Console& c
            .within = layers.within ? layers.within->world(spacing) : (is_full ? 2 * spacing : field.thickness())});
     if (layers.boxes) drawing_.boxes.push_back({.box = field.grid().bounds()});
     if (!layers.iso && !(alone && has_sign)) continue;
-    SurfaceOptions options;
-    options.memory_limit = memory_limit();
-    options.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing);
+    SurfaceOptions options{.at = layers.iso_at ? layers.iso_at->world(spacing) : (has_sign ? 0 : 2 * spacing),
+                           .memory_limit = memory_limit()};
     SurfaceResult made = surface(field, options);
     if (made.report.capped > 0)
       console.warn("the isosurface at " + number(options.at) +
@@ -219,8 +218,11 @@ const Drawing& DrawingInput::read(const LayerOptions& layers, const Console& con
   const Shading shading = layers.flat ? Shading::flat : Shading::smooth;
   if (layers.mesh)
     for (std::size_t n = 0; n < meshes_.size(); ++n) {
-      MeshLayer layer{.mesh = meshes_[n].mesh, .opacity = layers.opacity, .shading = shading, .edges = layers.edges};
-      layer.up = meshes_[n].report.up;
+      MeshLayer layer{.mesh = meshes_[n].mesh,
+                      .opacity = layers.opacity,
+                      .shading = shading,
+                      .edges = layers.edges,
+                      .up = meshes_[n].report.up};
       if (n > 0) layer.color = kBodyColors[(n - 1) % kBodyColors.size()];
       drawing_.meshes.push_back(layer);
     }

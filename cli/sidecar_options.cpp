@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "cli/options.h"
 #include "cli/parse.h"
 
 namespace standoff::cli {

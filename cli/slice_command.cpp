@@ -10,7 +10,6 @@
 #include "cli/parse.h"
 #include "cli/text.h"
 #include "cli/verb.h"
-#include "standoff/error.h"
 #include "standoff/field_slices.h"
 #include "standoff/zarr.h"
 

@@ -30,11 +30,7 @@ constexpr std::int64_t kShellSamples = 40;
 constexpr std::int64_t kFlyTriangles = 350;      // of many flies
 constexpr std::int64_t kWallTriangles = 16'000;  // walls are flat: this is enough to see them by
 
-PageOptions options(std::int64_t proxy_triangles) {
-  PageOptions options;
-  options.proxy_triangles = proxy_triangles;
-  return options;
-}
+PageOptions options(std::int64_t proxy_triangles) { return {.proxy_triangles = proxy_triangles}; }
 
 JsonObject header_of(const FlightSubject& subject) {
   const Box box = subject.fly.bounds();
@@ -66,9 +62,7 @@ FlightSubject flight_subject(std::string walls_name, const Body& walls, const Bo
   const Box box = flier.bounds();
   FlightSubject subject{std::move(walls_name), walls, flier, {}, kShellShare * box.longest_side()};
   if (!(subject.shell_distance > 0)) return subject;
-  ComputeOptions compute_options;
-  compute_options.sign = {SignMethod::none};
-  compute_options.execution.threads = threads;
+  ComputeOptions compute_options{.sign = {SignMethod::none}, .execution = {.threads = threads}};
   const Padding padding{.length = 1.2 * subject.shell_distance};
   const Grid grid = fit_resolution(box, kShellSamples, padding);
   const DistanceField field = compute(flier.mesh(), grid, kFullField, compute_options).field;

@@ -93,9 +93,7 @@ Execution World::State::execution() const { return {.backend = options.backend, 
 
 ThesisField World::State::thesis_field(const Body& model) const {
   const Grid grid = minimum_grid(model.bounds(), options.thickness, options.minimum, options.speed);
-  ComputeOptions compute_options;
-  compute_options.sign = {SignMethod::none};
-  compute_options.execution.threads = options.threads;
+  ComputeOptions compute_options{.sign = {SignMethod::none}, .execution = {.threads = options.threads}};
   return ThesisField(compute(model.mesh(), grid, options.thickness, compute_options).field, execution());
 }
 

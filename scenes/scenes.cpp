@@ -2,8 +2,6 @@
 // The table of scenes.
 #include "scenes/scenes.h"
 
-#include <algorithm>
-
 #include "scenes/families.h"
 #include "standoff/error.h"
 

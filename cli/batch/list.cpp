@@ -13,7 +13,6 @@
 #include <system_error>
 #include <vector>
 
-#include "cli/files.h"
 #include "cli/parse.h"
 #include "files/file_view.h"
 #include "standoff/error.h"

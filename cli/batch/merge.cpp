@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "cli/batch/manifest.h"
-#include "cli/text.h"
 #include "files/atomic_file.h"
 #include "files/atomic_folder.h"
 #include "standoff/error.h"

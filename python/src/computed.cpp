@@ -9,10 +9,7 @@ Method method_of(const std::string& name) { return row_of("method", name, kCompu
 
 ComputeOptions compute_options(const nb::handle& sign, const std::string& method, bool nearest, int threads,
                                const std::string& device, std::int64_t memory_limit) {
-  ComputeOptions options;
-  options.method = method_of(method);
-  options.sign = sign_of(sign);
-  options.execution.threads = threads;
+  ComputeOptions options{.method = method_of(method), .sign = sign_of(sign), .execution = {.threads = threads}};
   options.devices = devices_in(device, options.execution.backend);
   options.memory_limit = memory_limit;
   options.nearest = nearest;

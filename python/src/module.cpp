@@ -2,7 +2,27 @@
 // The compiled part of the package: standoff._core. Users call what standoff/__init__.py names, which checks and
 // converts; nothing here has defaults.
 #include "common.h"
+#include "standoff/cuda.h"
 #include "standoff/version.h"
+
+namespace standoff::python {
+
+void add_devices(nb::module_& m) {
+  m.def("devices", [] {
+    std::vector<nb::dict> all;
+    for (const cuda::DeviceInfo& device : cuda::devices()) {
+      nb::dict d;
+      d["name"] = device.name;
+      d["capability"] = nb::make_tuple(device.major, device.minor);
+      d["memory_bytes"] = device.memory_bytes;
+      all.push_back(std::move(d));
+    }
+    return all;
+  });
+  m.def("why_no_device", &cuda::why_no_device);
+}
+
+}  // namespace standoff::python
 
 NB_MODULE(_core, m) {
   using namespace standoff::python;

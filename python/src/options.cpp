@@ -71,15 +71,13 @@ Execution execution_of(int threads, const std::string& device) {
 
 SignOptions sign_of(const nb::handle& sign) {
   constexpr const char* kRules[] = {"positive", "nonzero", "odd"};
-  SignOptions options;
-  options.method = row_of("sign", value_of<std::string>(sign, "method", "a name"), kSignMethods).method;
-  options.rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule", "a name"), kRules));
-  options.invert = value_of<bool>(sign, "invert", "True or False");
-  options.strict = value_of<bool>(sign, "strict", "True or False");
-  options.as_oriented = value_of<bool>(sign, "as_oriented", "True or False");
-  options.outer = value_of<bool>(sign, "outer", "True or False");
-  options.shell = value_of<double>(sign, "shell", "a number");
-  return options;
+  return {.method = row_of("sign", value_of<std::string>(sign, "method", "a name"), kSignMethods).method,
+          .rule = static_cast<WindingRule>(choice_of("rule", value_of<std::string>(sign, "rule", "a name"), kRules)),
+          .invert = value_of<bool>(sign, "invert", "True or False"),
+          .strict = value_of<bool>(sign, "strict", "True or False"),
+          .as_oriented = value_of<bool>(sign, "as_oriented", "True or False"),
+          .outer = value_of<bool>(sign, "outer", "True or False"),
+          .shell = value_of<double>(sign, "shell", "a number")};
 }
 
 nb::dict sign_dict(const SignReport& r) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures, as files.
+// Pictures, as files, and pages for browsers and notebooks.
 #include "standoff/picture.h"
 
 #include "arrays.h"
 #include "lock.h"
 #include "options.h"
+#include "standoff/page.h"
 #include "standoff/slice.h"
 
 namespace standoff::python {
@@ -19,18 +20,18 @@ void slice(const DistanceField& field, const std::filesystem::path& path, const 
   constexpr const char* kColormaps[] = {"viridis", "thesis", "diverging", "auto"};
   constexpr const char* kBackgrounds[] = {"white", "dark"};
   constexpr const char* kInterpolations[] = {"auto", "nearest", "linear"};
-  SliceOptions options;
-  if (axis) options.axis = static_cast<Axis>(choice_of("axis", *axis, kPictureAxes));
-  options.at = at;
-  options.colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps));
-  options.background = static_cast<Background>(choice_of("background", background, kBackgrounds));
-  options.interpolation = static_cast<Interpolation>(choice_of("interpolation", interpolation, kInterpolations));
-  options.contours = contours;
-  options.bare = bare;
-  options.title = title;
-  options.unit = unit;
-  options.legend = legend;
-  options.pixels = pixels;
+  const SliceOptions options{
+      .axis = axis ? std::optional(static_cast<Axis>(choice_of("axis", *axis, kPictureAxes))) : std::nullopt,
+      .at = at,
+      .colormap = static_cast<Colormap>(choice_of("colormap", colormap, kColormaps)),
+      .interpolation = static_cast<Interpolation>(choice_of("interpolation", interpolation, kInterpolations)),
+      .background = static_cast<Background>(choice_of("background", background, kBackgrounds)),
+      .pixels = pixels,
+      .contours = contours,
+      .bare = bare,
+      .title = title,
+      .unit = unit,
+      .legend = legend};
   const Unlocked released;
   write_slice_png(path, field, options);
 }
@@ -44,6 +45,24 @@ void mesh_picture(const VertexInput& vertices, const FaceInput& faces, const std
   write_mesh_png(path, mesh, options);
 }
 
+using NamedMesh = std::tuple<std::string, VertexInput, FaceInput>;
+
+nb::bytes page(const std::vector<NamedMesh>& meshes, const std::vector<std::string>& names, const nb::list& fields,
+               const std::string& title, const std::string& unit, const std::string& up) {
+  std::vector<PageMesh> shown_meshes;
+  for (const auto& [name, vertices, faces] : meshes) shown_meshes.push_back({name, view_of(vertices, faces)});
+  std::vector<PageField> shown_fields;
+  for (std::size_t n = 0; n < names.size(); ++n)
+    shown_fields.push_back({names[n], &nb::cast<const DistanceField&>(fields[n])});
+  const PageOptions options{.title = title, .unit = unit, .up = up_of(up)};
+  std::string html;
+  {
+    const Unlocked released;
+    html = make_page(shown_meshes, shown_fields, options);
+  }
+  return nb::bytes(html.data(), html.size());
+}
+
 }  // namespace
 
 void add_pictures(nb::module_& m) {
@@ -51,6 +70,10 @@ void add_pictures(nb::module_& m) {
         "interpolation"_a, "contours"_a, "bare"_a, "title"_a, "unit"_a, "legend"_a, "pixels"_a);
   m.def("write_picture", &mesh_picture, "vertices"_a.noconvert(), "faces"_a.noconvert(), "path"_a, "width"_a,
         "height"_a, "azimuth"_a, "elevation"_a, "up"_a);
+}
+
+void add_pages(nb::module_& m) {
+  m.def("make_page", &page, "meshes"_a, "names"_a, "fields"_a, "title"_a, "unit"_a, "up"_a);
 }
 
 }  // namespace standoff::python

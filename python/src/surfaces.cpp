@@ -11,12 +11,10 @@ namespace {
 
 SurfaceOptions options_of(double at, double wall, const std::string& method, int threads) {
   constexpr const char* kMethods[] = {"marching_cubes", "dual"};
-  SurfaceOptions options;
-  options.at = at;
-  options.wall = wall;
-  options.method = static_cast<SurfaceMethod>(choice_of("method", method, kMethods));
-  options.execution.threads = threads;
-  return options;
+  return {.at = at,
+          .wall = wall,
+          .method = static_cast<SurfaceMethod>(choice_of("method", method, kMethods)),
+          .execution = {.threads = threads}};
 }
 
 // (vertices, faces, sign, what is lost)

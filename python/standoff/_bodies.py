@@ -245,8 +245,9 @@ def _one(pose: Any, what: str) -> np.ndarray:
     return found.array
 
 
-def _both(a: Any, b: Any) -> tuple[Any, Any]:
-    return _body(a, "a"), _body(b, "b")
+def _pair(a: Any, pose_a: Any, b: Any) -> tuple[Any, np.ndarray, Any]:
+    """Both bodies, and where a is."""
+    return _body(a, "a"), _one(pose_a, "pose_a"), _body(b, "b")
 
 
 def _body(given: Any, what: str) -> Any:
@@ -292,13 +293,11 @@ def collide(
     """
     if name(mode, "mode") not in ("exact", "certified"):
         raise ValueError(f"mode: must be 'exact' or 'certified', not {mode!r}")
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     p = _Poses(_UNMOVED if poses is None else poses, "poses")
     with progress_of(progress, "collide") as report:
         verdict, triangle_a, triangle_b, inside = _core.collide(
-            body_a,
-            _one(pose_a, "pose_a"),
-            body_b,
+            *pair,
             p.array,
             number(margin, "margin"),
             flag(containment, "containment"),
@@ -334,13 +333,11 @@ def distance_between(
     Raises:
         UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``.
     """
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     p = _Poses(_UNMOVED if poses is None else poses, "poses")
     with progress_of(progress, "distance") as report:
         lower, upper, point_a, point_b, triangle_a, triangle_b, finished = _core.distance(
-            body_a,
-            _one(pose_a, "pose_a"),
-            body_b,
+            *pair,
             p.array,
             number(tolerance, "tolerance"),
             number(limit, "limit"),
@@ -380,16 +377,14 @@ def sweep(
             limit.
         threads, device, progress: as for `field`.
     """
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     first, last = _Poses(start, "start"), _Poses(end, "end")
     if first.shape != last.shape:
         raise ValueError(f"start and end: must have equally many poses, not {first.shape} and {last.shape}")
     point = triple(to_numpy(center, "center"), "center")
     with progress_of(progress, "sweep") as report:
         found = _core.sweep(
-            body_a,
-            _one(pose_a, "pose_a"),
-            body_b,
+            *pair,
             first.array,
             last.array,
             point,
@@ -431,13 +426,11 @@ def sweep_screw(
     Raises:
         ValueError: an axis without direction, an angle outside its range, or a number that is not finite.
     """
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     first = _Poses(start, "start")
     with progress_of(progress, "sweep") as report:
         found = _core.sweep_screw(
-            body_a,
-            _one(pose_a, "pose_a"),
-            body_b,
+            *pair,
             first.array,
             triple(to_numpy(point, "point"), "point"),
             triple(to_numpy(axis, "axis"), "axis"),
@@ -474,14 +467,12 @@ def sweep_path(
     Raises:
         ValueError: fewer than two poses, or poses with more than one dimension.
     """
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     way = _Poses(poses, "poses")
     if len(way.shape) != 1 or way.shape[0] < 2:
         raise ValueError(f"poses: must be a list of two poses or more, one after the other, not of shape {way.shape}")
     motion, found = _core.sweep_path(
-        body_a,
-        _one(pose_a, "pose_a"),
-        body_b,
+        *pair,
         way.array,
         triple(to_numpy(center, "center"), "center"),
         number(tolerance, "tolerance"),
@@ -506,9 +497,9 @@ def contacts(a: Any, b: Any, pose: Any = None, *, pose_a: Any = None, most: int 
         most: the largest number of contacts; if there are more, the result is spread over the contact area.
         margin: world units.
     """
-    body_a, body_b = _both(a, b)
+    pair = _pair(a, pose_a, b)
     point, normal, depth, triangle_a, triangle_b, overflow = _core.contacts(
-        body_a, _one(pose_a, "pose_a"), body_b, _one(pose, "pose"), whole_number(most, "most"), number(margin, "margin")
+        *pair, _one(pose, "pose"), whole_number(most, "most"), number(margin, "margin")
     )
     first, second = _triangles(triangle_a, triangle_b)
     give = like(pose)

@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>

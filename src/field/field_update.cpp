@@ -11,7 +11,6 @@
 #include "core/threads.h"
 #include "core/tile_count.h"
 #include "field/computation.h"
-#include "field/lattice.h"
 #include "field/mesh_parts.h"
 #include "field/prepare.h"
 #include "sign/plan.h"

@@ -15,7 +15,6 @@
 #include "field/mesh_parts.h"
 #include "field/prepare.h"
 #include "field/skip.h"
-#include "sign/diagnosis/closed.h"
 #include "sign/methods.h"
 #include "sign/open_winding/open_winding.h"
 #include "sign/plan.h"

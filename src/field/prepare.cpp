@@ -14,7 +14,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/tile_count.h"
 #include "field/lattice.h"
 #include "field/plan.h"
 #include "field/reached_tiles.h"

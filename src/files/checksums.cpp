@@ -5,7 +5,6 @@
 #include <wmmintrin.h>
 #endif
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>

@@ -133,8 +133,7 @@ std::string coded_nearest(const CodedField& field) {
 
 // Every `every`-th sample.
 CodedField coded_every(const DistanceField& field, std::int64_t every) {
-  CodedField made;
-  made.every = every;
+  CodedField made{.every = every};
   const Grid& whole = field.grid();
   made.grid = {thinned(whole.size, every), whole.corner(), whole.spacing * double(every)};
 

@@ -2,7 +2,6 @@
 // Meshes as pages hold them.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "page/page.h"
@@ -126,8 +125,7 @@ std::string coded_by_difference(std::span<const Triangle> triangles) {
 LatticeMesh lattice_mesh(MeshView mesh, const PageOptions& options, float proxy_error) {
   validate(mesh);
   const Box box = bounds(mesh);
-  LatticeMesh made;
-  made.origin = box.min;
+  LatticeMesh made{.origin = box.min};
   const double side = box.longest_side();
   if (!std::isfinite(side))
     throw Error(ErrorCode::input, "mesh: its box is wider than any double; scale the mesh down");

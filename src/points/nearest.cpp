@@ -7,7 +7,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -15,7 +14,6 @@
 
 #include "core/threads.h"
 #include "geometry/triangle_box.h"
-#include "geometry/triangle_distance.h"
 
 namespace standoff {
 namespace {

@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "standoff/compute.h"
-#include "standoff/mesh.h"
 
 namespace standoff {
 namespace {
@@ -90,8 +89,7 @@ Occlusion::Occlusion(std::span<const DrawnPart> parts) {
                static_cast<std::size_t>(grid.size.z)}};
   thickness_ = kReach * lattice_.spacing;
   distances_.resize(lattice_.samples());
-  ComputeOptions options;
-  options.sign = {SignMethod::none};
+  ComputeOptions options{.sign = {SignMethod::none}};
   options.memory_limit = kNoMemoryLimit;  // the picture's has been asked
   options.hash_mesh = false;
   options.execution.backend = Backend::cpu;

@@ -80,8 +80,7 @@ class ShownCounter {
 PlaneScores plane_scores(const DistanceField& field) {
   const Size3& size = field.grid().size;
   const Vec3& h = field.grid().spacing;
-  PlaneScores scores;
-  scores.area = {h.y * h.z, h.x * h.z, h.x * h.y};
+  PlaneScores scores{.area = {h.y * h.z, h.x * h.z, h.x * h.y}};
   for (std::size_t c = 0; c < 3; ++c) scores.along[c].resize(static_cast<std::size_t>(coordinates(size)[c]));
   ShownCounter counter(field, scores);
   for (const DistanceField::Tile& tile : field.tiles()) counter.add(tile);

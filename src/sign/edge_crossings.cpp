@@ -4,7 +4,6 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <string>
 #include <tuple>

@@ -2,7 +2,6 @@
 #include "sign/methods.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 #include <vector>
 

@@ -147,11 +147,8 @@ constexpr double kFieldShare = 0.6;
 
 // Computes the field that reaches as far as the surface, its cells, and the samples around them.
 ComputeResult field_of(MeshView mesh, const Grid& grid, const SurfaceOptions& options) {
-  ComputeOptions wanted;
-  wanted.sign = options.sign;
-  wanted.execution = options.execution;
-  wanted.hash_mesh = false;
-  wanted.memory_limit = options.memory_limit;
+  ComputeOptions wanted{
+      .sign = options.sign, .execution = options.execution, .memory_limit = options.memory_limit, .hash_mesh = false};
   std::exception_ptr thrown;  // an exception of the caller's callback, which passes unchanged
   if (options.progress)
     wanted.progress = [&](const Progress& progress) {
@@ -189,10 +186,9 @@ ClosestFunction closest_in(MeshView mesh, const SurfaceOptions& options, MemoryB
 // The source of dual contouring for the surface at a level.
 HermiteSource mesh_source(MeshView mesh, const SignOptions& sign, const ClosestFunction& closest, double level) {
   const bool is_shell = sign.method == SignMethod::shell;
-  MeshOffset offset;
-  offset.closest = closest;
-  offset.distance = is_shell ? level + sign.shell / 2 : std::abs(level);
-  offset.inside = !is_shell && level < 0;
+  MeshOffset offset{.closest = closest,
+                    .distance = is_shell ? level + sign.shell / 2 : std::abs(level),
+                    .inside = !is_shell && level < 0};
   if (offset.distance > 0)
     return {[offset](const Blocks& blocks, const EdgePoints& points, std::span<HermitePoint> data, MemoryBudget& memory,
                      ProgressMeter& progress) { hermite_of_offset(blocks, points, offset, data, memory, progress); },
@@ -286,8 +282,7 @@ SurfaceResult surface(MeshView mesh, const Grid& grid, const SurfaceOptions& opt
   validate(grid);
   validate(options, grid);
   const ComputeResult computed = field_of(mesh, grid, options);
-  SurfaceResult result;
-  result.report.sign = computed.report.sign;
+  SurfaceResult result{.report = {.sign = computed.report.sign}};
   if (computed.report.sign.method == SignMethod::none && !(options.at - options.wall > 0)) {
     const std::string why = computed.report.sign.why;
     throw Error(ErrorCode::input, "surface: there is no inside to make a surface of at " +

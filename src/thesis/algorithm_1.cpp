@@ -12,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "field/cpu/bins.h"
 #include "field/cpu/kernels.h"

@@ -7,7 +7,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <utility>
 
 #include "core/grid_axis.h"
 #include "core/guarded.h"

@@ -23,12 +23,7 @@ using namespace testing;
 
 const Grid kFieldGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
-ComputeOptions on_cpu() {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
-  return options;
-}
+ComputeOptions on_cpu() { return {.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}}; }
 
 TEST(Misuse, Grids) {
   const Mesh mesh = one_triangle();
@@ -348,9 +343,7 @@ TEST(Misuse, Fields) {
 TEST(Misuse, Verify) {
   const DistanceField field = compute(one_triangle(), kFieldGrid, kFullField, on_cpu()).field;
   for (const std::int64_t n : kCounts) {
-    VerifyOptions options;
-    options.execution.threads = 1;
-    options.samples = n;
+    VerifyOptions options{.samples = n, .execution = {.threads = 1}};
     expect_answer_or_error(named("samples", n), [&] { EXPECT_TRUE(verify(field, one_triangle(), options).ok()); });
   }
   const DistanceField long_one = compute(one_triangle(), {{5000, 1, 1}, {}}, kFullField, on_cpu()).field;

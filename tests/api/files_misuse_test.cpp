@@ -135,14 +135,13 @@ TEST(Misuse, Pictures) {
   for (const double x : kNumbers) {
     const std::vector<Vec3> points{{0, 0, 0}, {x, 1, -x}};
     const std::vector<double> values{x, -x};
-    Drawing drawing;
-    drawing.meshes = {{.mesh = triangle, .opacity = x, .shading = none_of<Shading>()}};
-    drawing.slices = {{.field = &field, .axis = none_of<Axis>(), .at = x}, {.field = &empty}};
-    drawing.bands = {{.field = &field, .within = x}, {.field = &empty}};
-    drawing.points = {{.points = points, .radius = x, .values = values}};
-    drawing.paths = {{.points = points, .radius = x, .values = values}};
-    drawing.boxes = {{.box = {{0, 0, 0}, {x, x, x}}}};
-    drawing.colormap = none_of<Colormap>();
+    Drawing drawing{.meshes = {{.mesh = triangle, .opacity = x, .shading = none_of<Shading>()}},
+                    .slices = {{.field = &field, .axis = none_of<Axis>(), .at = x}, {.field = &empty}},
+                    .bands = {{.field = &field, .within = x}, {.field = &empty}},
+                    .points = {{.points = points, .radius = x, .values = values}},
+                    .paths = {{.points = points, .radius = x, .values = values}},
+                    .boxes = {{.box = {{0, 0, 0}, {x, x, x}}}},
+                    .colormap = none_of<Colormap>()};
     const auto draw = [&](const char* layer, const Drawing& part) {
       expect_answer_or_error(named(layer, x), [&] { write_picture(path, part, small); });
     };

@@ -65,9 +65,7 @@ TEST(Interrupted, FieldsInSlabs) {
     const auto path = folder / ("ball." + format.extension);
     const auto write = [&](const ProgressCallback& computing, const ProgressCallback& writing) {
       const Grid grid = fit_resolution(bounds(kBall), 72);
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.execution.threads = 1;
-      options.progress = computing;
+      ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1}, .progress = computing};
       SlabComputation slabs(kBall, grid, 0.1, options, 1);
       write_field(path, slabs, {.threads = 1, .progress = writing});
     };

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "standoff/collision.h"
-#include "standoff/error.h"
 #include "standoff/mesh_report.h"
 #include "standoff/points.h"
 #include "tests/api/stop_everywhere.h"

@@ -15,7 +15,6 @@
 #include "standoff/collision.h"
 #include "standoff/compute.h"
 #include "standoff/points.h"
-#include "standoff/surface.h"
 #include "tests/support/heap.h"
 
 namespace standoff {

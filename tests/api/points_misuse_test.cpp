@@ -74,15 +74,11 @@ TEST(PointsMisuse, Gradients) {
   const MeshQuery query(one_triangle(), {.sign = {SignMethod::none}});
   for (const double x : kNumbers)
     for (const double y : kNumbers) {
-      ClosestPoint at;
-      at.triangle = 0;
-      at.point = {y, 0, y};
-      at.distance = y;
+      ClosestPoint at{.distance = y, .point = {y, 0, y}, .triangle = 0};
       expect_answer_or_error(named("gradient", x), [&] { query.gradient({x, 0, 0}, at); });
     }
   for (const std::uint32_t triangle : {1u, kNoTriangle}) {
-    ClosestPoint at;
-    at.triangle = triangle;
+    ClosestPoint at{.triangle = triangle};
     expect_usage("triangle", [&] { query.gradient({}, at); });
   }
 }

@@ -3,7 +3,6 @@
 // is lost.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -83,11 +82,7 @@ const Mesh kMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1
 const Grid kGrid{{12, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 ComputeOptions on_cpu() {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
-  options.nearest = true;
-  return options;
+  return {.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}, .nearest = true};
 }
 
 TEST(RefusedMemory, Computing) {
@@ -190,8 +185,7 @@ TEST(RefusedMemory, Fields) {
     stored.store_tile(0, 0, 0);
     stored.store_nearest(0, 0, 0);
   });
-  VerifyOptions options;
-  options.execution.threads = 1;
+  VerifyOptions options{.execution = {.threads = 1}};
   std::vector<float> few(1);
   std::vector<std::uint32_t> few_nearest(1);
   expect_error_or_limit("value", [&] { field.value(-1, 0, 0); });

@@ -16,9 +16,8 @@ const std::vector<SidecarKind> kKinds{SidecarKind::closest_point, SidecarKind::b
                                       SidecarKind::gradient};
 
 DistanceField field_of(const Mesh& mesh, const Grid& grid) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution = {.threads = 1, .backend = Backend::cpu};
-  options.nearest = true;
+  ComputeOptions options{
+      .sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}, .nearest = true};
   return compute(mesh, grid, kFullField, options).field;
 }
 

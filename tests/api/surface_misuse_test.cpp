@@ -11,8 +11,7 @@ using namespace testing;
 const Grid kSurfaceGrid{{9, 9, 9}, {-1, -1, -1}, {0.4, 0.4, 0.4}};
 
 DistanceField some_field() {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
   return compute(one_triangle(), kSurfaceGrid, kFullField, options).field;
 }
 

@@ -18,21 +18,17 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::for_each_sample;
-using testing::kInfinity;
 
 constexpr Method kSpreading[] = {Method::propagate, Method::jumpflood, Method::jumpflood_1};
 
 ComputeResult by(Method method, MeshView mesh, const Grid& grid, double thickness, Backend backend = Backend::cpu,
                  int threads = 2) {
-  ComputeOptions options{.method = method, .sign = {SignMethod::none}};
-  options.nearest = true;
-  options.execution.backend = backend;
-  options.execution.threads = threads;
+  ComputeOptions options{.method = method,
+                         .sign = {SignMethod::none},
+                         .execution = {.threads = threads, .backend = backend},
+                         .nearest = true};
   return compute(mesh, grid, thickness, options);
 }
 
@@ -54,13 +50,13 @@ Errors expect_within_bounds(Method method, MeshView mesh, const Grid& grid, doub
   Errors errors;
   for_each_sample(grid, [&](auto i, auto j, auto k) {
     const Vec3 p = grid.position(i, j, k);
-    const double exact = testing::reference_distance(mesh, p), allowed = allowed_error(grid, exact),
+    const double exact = reference_distance(mesh, p), allowed = allowed_error(grid, exact),
                  value = field.value(i, j, k);
     const std::uint32_t nearest = field.nearest(i, j, k);
     EXPECT_GE(value, std::min(exact, thickness) - allowed);
     EXPECT_LE(value, std::min(factor * (exact + diagonal) + diagonal, thickness) + allowed);
     if (nearest != kNoTriangle) {
-      EXPECT_NEAR(value, testing::reference_distance(mesh, nearest, p), 2 * allowed);
+      EXPECT_NEAR(value, reference_distance(mesh, nearest, p), 2 * allowed);
     } else {
       EXPECT_EQ(value, static_cast<float>(thickness));
     }
@@ -75,8 +71,7 @@ Errors expect_within_bounds(Method method, MeshView mesh, const Grid& grid, doub
 
 TEST(Spreading, StayWithinTheirBoundsOnAnyMesh) {
   const Grid cubic{{25, 19, 22}, {-6, -5, -5.5}, {0.5, 0.5, 0.5}}, unequal{{17, 24, 13}, {-6, -5, -5}, {0.7, 0.4, 0.8}};
-  const Mesh meshes[] = {testing::random_soup(1, 40, 4, 1.5), testing::nasty_soup(2, 80, 5),
-                         testing::random_soup(3, 6, 4, 8)};
+  const Mesh meshes[] = {random_soup(1, 40, 4, 1.5), nasty_soup(2, 80, 5), random_soup(3, 6, 4, 8)};
   for (const Method method : kSpreading)
     for (const Mesh& mesh : meshes)
       for (const Grid& grid : {cubic, unequal})
@@ -116,7 +111,7 @@ TEST(Spreading, VerifyCountsWhatIsWrong) {
 
 TEST(Spreading, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
   using emulation::Order;
-  Mesh mesh = testing::nasty_soup(5, 60, 5);
+  Mesh mesh = nasty_soup(5, 60, 5);
   const std::size_t originals = mesh.triangles.size();
   for (std::size_t t = 0; t < originals; ++t) mesh.triangles.push_back(mesh.triangles[t]);  // ties
   const Grid grids[] = {{{19, 14, 11}, {-5, -4, -3}, {0.5, 0.6, 0.6}}, {{1, 9, 30}, {0, -3, -7}, {0.5, 0.5, 0.5}}};
@@ -125,15 +120,15 @@ TEST(Spreading, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
       for (const double thickness : {0.9, kInfinity}) {
         SCOPED_TRACE(std::string(find_info(method)->name) + ", thickness " + std::to_string(thickness));
         const ComputeResult one = by(method, mesh, grid, thickness, Backend::cpu, 1);
-        testing::expect_same_bits(one.field, by(method, mesh, grid, thickness, Backend::cpu, 5).field);
+        expect_same_bits(one.field, by(method, mesh, grid, thickness, Backend::cpu, 5).field);
         for (const Order order : {Order::forward, Order::reverse, Order::random}) {
           const emulation::OrderScope scope(order, 7);
-          const ComputeResult gpu = by(method, mesh, grid, thickness, testing::kEmulated);
-          testing::expect_same_bits(one.field, gpu.field);
+          const ComputeResult gpu = by(method, mesh, grid, thickness, kEmulated);
+          expect_same_bits(one.field, gpu.field);
           EXPECT_EQ(one.report.samples_band, gpu.report.samples_band);
           EXPECT_EQ(one.report.samples_examined, gpu.report.samples_examined);
         }
-        for (const std::uint32_t nearest : testing::all_nearest(one.field))
+        for (const std::uint32_t nearest : all_nearest(one.field))
           ASSERT_TRUE(nearest == kNoTriangle || nearest < originals) << "a tie went to the later triangle";
       }
 }
@@ -141,10 +136,10 @@ TEST(Spreading, GiveTheSameBitsForAnyThreadsAndOnTheEmulatedGpu) {
 TEST(Spreading, FarFromTheOriginAndAtAnyScale) {
   const Vec3 far{1e6, -2e6, 3e6};
   for (const Method method : kSpreading) {
-    expect_within_bounds(method, testing::random_soup(6, 30, 4, 1, far),
-                         {{15, 15, 15}, far - Vec3{5, 5, 5}, {0.7, 0.7, 0.7}}, kInfinity);
+    expect_within_bounds(method, random_soup(6, 30, 4, 1, far), {{15, 15, 15}, far - Vec3{5, 5, 5}, {0.7, 0.7, 0.7}},
+                         kInfinity);
     for (const double scale : {1e-20, 1e15}) {
-      Mesh mesh = testing::random_soup(7, 30, 4, 1);
+      Mesh mesh = random_soup(7, 30, 4, 1);
       for (Vec3& v : mesh.vertices) v = v * scale;
       expect_within_bounds(method, mesh, {{15, 15, 15}, Vec3{-5, -5, -5} * scale, Vec3{0.7, 0.7, 0.7} * scale},
                            2 * scale);
@@ -162,28 +157,27 @@ TEST(Spreading, OneTriangleThatCoversEverything) {
 }
 
 TEST(Spreading, MeshBesideTheGridIsAnError) {
-  const Mesh mesh = testing::random_soup(8, 10, 1, 1, {100, 0, 0});
+  const Mesh mesh = random_soup(8, 10, 1, 1, {100, 0, 0});
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.25, 0.25, 0.25}};
   for (const Method method : kSpreading)
-    for (const Backend backend : {Backend::cpu, testing::kEmulated})
+    for (const Backend backend : {Backend::cpu, kEmulated})
       for (const double thickness : {1.0, kInfinity})
         expect_error([&] { by(method, mesh, grid, thickness, backend); }, ErrorCode::input, "nothing to begin with");
 }
 
 // A front of a sweep has few rows if the grid is long along one axis: all of them would take minutes here.
 TEST(Spreading, LongGridsTakeNoTime) {
-  const Mesh mesh = testing::random_soup(12, 10, 1, 1);
+  const Mesh mesh = random_soup(12, 10, 1, 1);
   for (const Size3 size : {Size3{2, 2, 20'000}, Size3{2, 20'000, 2}, Size3{20'000, 2, 2}})
     EXPECT_EQ(by(Method::propagate, mesh, {size, {-0.5, -0.5, -0.5}, {1, 1, 1}}, kInfinity).report.samples_band,
               80'000);
 }
 
 TEST(Spreading, CanBeCancelledWhileItSeeks) {
-  const Mesh mesh = testing::random_soup(13, 3000, 5, 10);
+  const Mesh mesh = random_soup(13, 3000, 5, 10);
   const Grid grid{{40, 40, 40}, {-5, -5, -5}, {0.25, 0.25, 0.25}};
   for (const std::string stage : {"seeds", "distances"}) {
-    ComputeOptions options{.method = Method::jumpflood};
-    options.execution.backend = Backend::cpu;
+    ComputeOptions options{.method = Method::jumpflood, .execution = {.backend = Backend::cpu}};
     options.progress = [&](const Progress& now) { return std::string(now.stage) != stage; };
     expect_error([&] { compute(mesh, grid, kInfinity, options); }, ErrorCode::interrupted, "cancelled");
   }
@@ -191,15 +185,14 @@ TEST(Spreading, CanBeCancelledWhileItSeeks) {
 
 // Fuhrmann: exact over faces, and between the exact distance and the thickness elsewhere.
 TEST(Fuhrmann, IsExactOverFacesAndNeverTooSmall) {
-  const Mesh mesh = testing::random_soup(9, 30, 4, 2);
+  const Mesh mesh = random_soup(9, 30, 4, 2);
   const Grid grid{{25, 25, 25}, {-6, -6, -6}, {0.5, 0.5, 0.5}};
   const double thickness = 1.5;
   const DistanceField field = by(Method::fuhrmann, mesh, grid, thickness).field;
   std::int64_t over_faces = 0, too_large = 0;
   for_each_sample(grid, [&](auto i, auto j, auto k) {
     const Vec3 p = grid.position(i, j, k);
-    const double exact = std::min(testing::reference_distance(mesh, p), thickness), allowed = 4e-5,
-                 value = field.value(i, j, k);
+    const double exact = std::min(reference_distance(mesh, p), thickness), allowed = 4e-5, value = field.value(i, j, k);
     EXPECT_GE(value, exact - allowed);
     EXPECT_LE(value, static_cast<float>(thickness));
     too_large += value > exact + allowed;
@@ -269,21 +262,21 @@ TEST(Facet, LeavesTheInsideInside) {
 }
 
 TEST(Fuhrmann, TakesDegenerateTrianglesAndAnyThreads) {
-  const Mesh mesh = testing::nasty_soup(10, 80, 5);
+  const Mesh mesh = nasty_soup(10, 80, 5);
   const Grid grid{{22, 22, 22}, {-5, -5, -5}, {0.5, 0.5, 0.5}};
-  testing::expect_same_bits(by(Method::fuhrmann, mesh, grid, 1, Backend::cpu, 1).field,
-                            by(Method::fuhrmann, mesh, grid, 1, Backend::cpu, 5).field);
+  expect_same_bits(by(Method::fuhrmann, mesh, grid, 1, Backend::cpu, 1).field,
+                   by(Method::fuhrmann, mesh, grid, 1, Backend::cpu, 5).field);
 }
 
 TEST(Fuhrmann, RefusesWhatItCannotDo) {
-  const Mesh mesh = testing::random_soup(11, 10, 1, 1);
+  const Mesh mesh = random_soup(11, 10, 1, 1);
   const Grid grid{{8, 8, 8}, {-1, -1, -1}, {0.25, 0.25, 0.25}};
   expect_error([&] { by(Method::fuhrmann, mesh, grid, kInfinity); }, ErrorCode::usage, "fuhrmann has no full fields");
-  expect_error([&] { by(Method::fuhrmann, mesh, grid, 1, testing::kEmulated); }, ErrorCode::usage,
+  expect_error([&] { by(Method::fuhrmann, mesh, grid, 1, kEmulated); }, ErrorCode::usage,
                "fuhrmann runs on the CPU alone");
   expect_error([&] { by(Method::fuhrmann, mesh, grid, 1, Backend::cuda); }, ErrorCode::usage,
                "fuhrmann runs on the CPU alone");
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -7,10 +7,8 @@
 
 #include "tests/support/error_code.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::code_of;
 
 Mesh triangle(Vec3 a, Vec3 b, Vec3 c) { return {{a, b, c, {1e9, 0, 0}}, {{0, 1, 2}}}; }
 
@@ -50,4 +48,4 @@ TEST(Normalize, RefusesWhatNoScaleBringsToOne) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -10,10 +10,8 @@
 #include "scenes/scenes.h"
 #include "tests/support/error_code.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::code_of;
 
 const Box kBox{{-2, -2, -2}, {2, 2, 2}};
 
@@ -108,4 +106,4 @@ TEST(TrainingPoints, RefuseWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -150,9 +150,9 @@ class Tables(unittest.TestCase):
         CORNERS.tofile(self.folder / "vertices.f64")
         CUBE.astype(np.uint32).tofile(self.folder / "triangles.u32")
         job = {"checked": 10, "checked_pairs": 1e9}
-        some = points.chosen(self.folder, ["standoff", "libigl"], 12, job, True)
+        some = points.checked_points(self.folder, ["standoff", "libigl"], 12, job, True)
         self.assertEqual((len(some), 778 in some, 0 in some, 999 in some), (11, True, True, True))
-        self.assertEqual(len(points.chosen(self.folder, ["standoff", "libigl"], 2e8, job, False)), 5)
+        self.assertEqual(len(points.checked_points(self.folder, ["standoff", "libigl"], 2e8, job, False)), 5)
         self.assertEqual(points.against_libigl(self.folder, ["standoff", "libigl"]), {"from libigl": "5.0e-01", "signs unlike libigl's": 1})
 
     # The better peer counts, and the worst mesh.

@@ -99,8 +99,7 @@ TEST_F(Poses, ThatDoNotExist) { EXPECT_THROW(of("collide@depth=1000,poses=1"), s
 // What they are called by is the distance at which they lie side by side.
 TEST(Bodies, Conform) {
   const auto apart = [](const std::string& a, const std::string& b, Vec3 moved) {
-    Pose pose;
-    pose.translation = moved;
+    Pose pose{.translation = moved};
     return distance(Body(make_body({a, 6000})), {}, Body(make_body({b, 6000})), pose).upper;
   };
   EXPECT_NEAR(apart("sleeve:0.01", "shaft", {}), 0.01, 1e-4);

@@ -13,10 +13,8 @@
 #include "tests/support/closest_of_all.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 constexpr int kSizes[] = {1, 2, 15, 16, 17, 255, 256, 257, 300, 4097};
 
@@ -40,7 +38,7 @@ bool overlap(const Box& a, const Box& b) {
 
 TEST(Order, IsAPermutationOfTheTrianglesThatAreAskedFor) {
   for (const int triangles : kSizes) {
-    const Mesh mesh = testing::random_soup(1, triangles, 1, 0.1);
+    const Mesh mesh = random_soup(1, triangles, 1, 0.1);
     std::vector<std::uint32_t> odd;
     for (std::uint32_t t = 1; t < mesh.triangles.size(); t += 2) odd.push_back(t);
     for (const Order kind : {Order::morton, Order::halving})
@@ -56,7 +54,7 @@ TEST(Order, IsAPermutationOfTheTrianglesThatAreAskedFor) {
 }
 
 TEST(Order, DoesNotDependOnThreads) {
-  const Mesh mesh = testing::random_soup(2, 40000, 1, 0.01);
+  const Mesh mesh = random_soup(2, 40000, 1, 0.01);
   for (const Order kind : {Order::morton, Order::halving}) {
     std::vector<std::uint32_t> of_one, of_four;
     Threads(1).run([&] { of_one = order_of(mesh, kind); });
@@ -67,11 +65,11 @@ TEST(Order, DoesNotDependOnThreads) {
 
 TEST(Order, AStrayTriangleFarAwayChangesNoOrder) {
   // All others lie in one cell of its curve, or in two.
-  Mesh mesh = testing::random_soup(6, 20000, 1, 0.01);
+  Mesh mesh = random_soup(6, 20000, 1, 0.01);
   const std::vector<std::uint32_t> alone = order_of(mesh, Order::morton);
   for (const double away : {1e5, 1e9}) {
     Mesh both = mesh;
-    testing::add_triangle(both, {away, away, away}, {away, away + 1, away}, {away, away, away + 1});
+    add_triangle(both, {away, away, away}, {away, away + 1, away}, {away, away, away + 1});
     std::vector<std::uint32_t> order = order_of(both, Order::morton);
     EXPECT_EQ(order.back(), 20000u);
     order.pop_back();
@@ -80,14 +78,14 @@ TEST(Order, AStrayTriangleFarAwayChangesNoOrder) {
 }
 
 TEST(Order, OfOnePlaceIsByIndex) {
-  const Mesh mesh = testing::random_soup(3, 100, 0, 0);
+  const Mesh mesh = random_soup(3, 100, 0, 0);
   const std::vector<std::uint32_t> order = order_of(mesh, Order::morton);
   EXPECT_TRUE(std::ranges::is_sorted(order));
 }
 
 TEST(Order, TakesCoordinatesAtTheEndsOfDouble) {
   for (const double size : {1e308, 5e-324, 1e-300}) {
-    Mesh mesh = testing::random_soup(4, 50, 1, 0.5);
+    Mesh mesh = random_soup(4, 50, 1, 0.5);
     for (Vec3& v : mesh.vertices) v = v * size;
     EXPECT_EQ(order_of(mesh, Order::morton).size(), 50u);
     EXPECT_EQ(order_of(mesh, Order::halving).size(), 50u);
@@ -112,7 +110,7 @@ TEST(RadixSort, IsStable) {
 
 TEST(Bvh, EveryNodeHoldsItsChildren) {
   for (const int triangles : kSizes) {
-    const Mesh mesh = testing::random_soup(6, triangles, 1, 0.2);
+    const Mesh mesh = random_soup(6, triangles, 1, 0.2);
     const Bvh bvh = bvh_of(mesh, Order::halving);
     EXPECT_EQ(bvh.entries(), Bvh::entries_of(triangles));
     std::vector<int> seen(static_cast<std::size_t>(bvh.entries()));
@@ -149,7 +147,7 @@ TEST(Bvh, EveryNodeHoldsItsChildren) {
 TEST(Bvh, FindsTheTrianglesWhoseBoxesMeetABox) {
   for (const int triangles : kSizes)
     for (const Order kind : {Order::morton, Order::halving}) {
-      const Mesh mesh = testing::random_soup(7, triangles, 1, 0.3);
+      const Mesh mesh = random_soup(7, triangles, 1, 0.3);
       const Bvh bvh = bvh_of(mesh, kind);
       Random random(8);
       for (int n = 0; n < 20; ++n) {
@@ -171,7 +169,7 @@ TEST(Bvh, BoxesThatTouchMeet) {
   // A grid of triangles in one plane, whose boxes have no thickness and share edges.
   Mesh mesh;
   for (double x = 0; x < 12; ++x)
-    for (double y = 0; y < 12; ++y) testing::add_triangle(mesh, {x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0});
+    for (double y = 0; y < 12; ++y) add_triangle(mesh, {x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0});
   ProgressMeter unwatched;
   const BvhFrame exact{{}, 1, -1};
   const Bvh bvh(mesh, morton_order(mesh, {}, unwatched), exact, unwatched);
@@ -191,7 +189,7 @@ TEST(Bvh, BoxesThatTouchMeet) {
 
 TEST(Bvh, FindsEachPairOnceAndInOrder) {
   for (const int triangles : {1, 16, 17, 300, 4097}) {
-    const Mesh mesh = testing::random_soup(9, triangles, 1, 0.15);
+    const Mesh mesh = random_soup(9, triangles, 1, 0.15);
     const Bvh bvh = bvh_of(mesh, Order::morton);
     std::int64_t pairs = 0, expected = 0;
     for (std::uint32_t place = 0; place < bvh.triangles(); ++place) {
@@ -212,7 +210,7 @@ TEST(Bvh, FindsEachPairOnceAndInOrder) {
 }
 
 TEST(Bvh, SearchForPairsEndsWhenItIsToldTo) {
-  const Mesh mesh = testing::random_soup(10, 500, 0, 1);  // all boxes meet
+  const Mesh mesh = random_soup(10, 500, 0, 1);  // all boxes meet
   const Bvh bvh = bvh_of(mesh, Order::morton);
   std::int64_t few = 100, many = 1 << 30;
   EXPECT_FALSE(for_each_later_overlap(bvh, 0, few, [](std::uint32_t) { return true; }));
@@ -224,7 +222,7 @@ TEST(Bvh, SearchForPairsEndsWhenItIsToldTo) {
 
 TEST(Bvh, NearestIsTheLowestOfTheNearest) {
   for (const int triangles : kSizes) {
-    Mesh mesh = testing::random_soup(11, triangles, 1, 0.2);
+    Mesh mesh = random_soup(11, triangles, 1, 0.2);
     mesh.triangles.insert(mesh.triangles.begin(), mesh.triangles.begin(), mesh.triangles.end());  // each twice
     const Bvh bvh = bvh_of(mesh, Order::halving);
     Random random(12);
@@ -232,7 +230,7 @@ TEST(Bvh, NearestIsTheLowestOfTheNearest) {
       const Vec3 p = random.in_cube(n % 5 == 0 ? 1e9 : 2);
       const NearestTriangle found = nearest_triangle(bvh, mesh, p);
       EXPECT_LT(found.triangle, static_cast<std::uint32_t>(triangles)) << "of two copies the first";
-      const double least = testing::brute_distance(mesh, p);
+      const double least = brute_distance(mesh, p);
       EXPECT_NEAR(found.distance, least, 4e-16 * std::max(least, 1.0)) << triangles;
     }
   }
@@ -246,4 +244,4 @@ TEST(Bvh, OfNoTrianglesFindsNothing) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

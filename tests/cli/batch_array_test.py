@@ -2,22 +2,15 @@
 """standoff batch --format array: rows of one array, bit for bit what compute writes, whole or in parts, and after changes."""
 
 import json
-import os
 import pathlib
 import shutil
 import subprocess
 
 import numpy as np
+from program import STANDOFF, run
 
-STANDOFF = os.environ["STANDOFF"]
 GRID = ["--size", "20,14,17", "-t", "3s"]
 SCENES = [f"scene:sphere:{100 + 20 * n}" for n in range(5)] + ["missing.obj", "scene:box"]
-
-
-def run(*words, code=0):
-    done = subprocess.run([STANDOFF, *words], capture_output=True, text=True, timeout=60)
-    assert done.returncode == code, (words, done.returncode, done.stderr)
-    return done
 
 
 def batch(*words, scenes=SCENES, code=3):

@@ -13,17 +13,12 @@
 
 #include "tests/cli/batch.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Json;
-using testing::Process;
-using testing::Ran;
-using testing::words;
 
 namespace fs = std::filesystem;
 
-class BatchFaults : public testing::BatchTest {
+class BatchFaults : public BatchTest {
  protected:
   // Octahedra, and in their midst a pipe that nobody writes to: a mesh that takes forever.
   void write_meshes_and_a_pipe(int before, int after) const {
@@ -231,18 +226,14 @@ TEST_F(BatchFaults, ATornRowIsNoRow) {
   EXPECT_EQ(last_rows().size(), 3u);
   // In the middle it is somebody else's doing.
   write("out/manifest.jsonl", whole + "{\"index\":\n" + whole);
-  const Ran ran = run(words(std::string(kRun) + " --resume"));
-  EXPECT_EQ(ran.code, 3);
-  EXPECT_TRUE(ran.says("out/manifest.jsonl:line 4: this is no row of a manifest")) << ran.err;
+  refused(words(std::string(kRun) + " --resume"), 3, "out/manifest.jsonl:line 4: this is no row of a manifest");
 }
 
 TEST_F(BatchFaults, OneProcessWritesAManifest) {
   write_meshes_and_a_pipe(1, 1);
   Process first(words(kRun), setup());
   wait_for_rows(1);
-  const Ran second = run(words(std::string(kRun) + " --resume"));
-  EXPECT_EQ(second.code, 4);
-  EXPECT_TRUE(second.says("another standoff batch is writing it")) << second.err;
+  refused(words(std::string(kRun) + " --resume"), 4, "another standoff batch is writing it");
   EXPECT_EQ(rows().size(), 1u);
 }
 
@@ -268,4 +259,4 @@ TEST_F(BatchFaults, SignalsStopIt) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

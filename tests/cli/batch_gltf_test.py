@@ -2,15 +2,14 @@
 """A glTF file's numbers lie in a file beside it: standoff batch --resume sees when that one changes."""
 
 import json
-import os
 import pathlib
 import struct
-import subprocess
+
+from program import run
 
 
 def batch(said):
-    done = subprocess.run([os.environ["STANDOFF"], "batch", "list.txt", "-o", "out", "-r", "16", "--resume"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0 and said in done.stderr, done.stderr
+    run("batch", "list.txt", "-o", "out", "-r", "16", "--resume", says=said)
 
 
 def write(size):

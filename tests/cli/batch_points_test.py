@@ -2,15 +2,10 @@
 """What NumPy reads of standoff batch: training points and fields."""
 
 import json
-import os
 import pathlib
-import subprocess
 
 import numpy as np
-
-
-def batch(*words):
-    subprocess.run([os.environ["STANDOFF"], "batch", *words], check=True, timeout=60)
+from program import run
 
 
 def rows(folder):
@@ -18,7 +13,7 @@ def rows(folder):
 
 
 pathlib.Path("list.txt").write_text("scene:sphere:5000\nscene:terrain:5000\n")
-batch("list.txt", "-o", "points", "--points", "2000", "--normalize", "unit-sphere", "--near", "0.5", "--sigma", "0.1,0.01")
+run("batch", "list.txt", "-o", "points", "--points", "2000", "--normalize", "unit-sphere", "--near", "0.5", "--sigma", "0.1,0.01")
 sphere, terrain = sorted(rows("points"), key=lambda row: row["index"])
 made = np.load(pathlib.Path("points", sphere["output"]["file"]))
 points, distances = made["points"], made["distances"]
@@ -28,6 +23,6 @@ assert sphere["points"] == 2000 and made["sign"] == sphere["sign"]["method"] == 
 assert np.abs(distances - (np.linalg.norm(points, axis=1) - 1)).max() < 0.01
 assert terrain["sign"]["method"] == "" and np.load(pathlib.Path("points", terrain["output"]["file"]))["sign"] == ""
 
-batch("list.txt", "-o", "fields", "-r", "32", "-t", "3s")
+run("batch", "list.txt", "-o", "fields", "-r", "32", "-t", "3s")
 field = np.load(pathlib.Path("fields", sorted(rows("fields"), key=lambda row: row["index"])[0]["output"]["file"]))
 assert field["distance"].shape == (32, 32, 32) and (field["distance"] < 0).any()

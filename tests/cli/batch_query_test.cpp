@@ -10,14 +10,10 @@
 
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
-class BatchQuery : public testing::ProgramTest {
+class BatchQuery : public ProgramTest {
  protected:
   void write(const std::string& name, const std::string& text) const { write_bytes(folder / name, text); }
   static std::vector<std::string> lines(const std::string& text) {
@@ -27,9 +23,7 @@ class BatchQuery : public testing::ProgramTest {
     return found;
   }
   void expect(const std::string& line, int code, const std::string& part) const {
-    const Ran ran = run(words(line));
-    EXPECT_EQ(ran.code, code) << line << ": " << ran.err;
-    EXPECT_NE(ran.err.find("standoff: error: " + part), std::string::npos) << line << ": " << ran.err;
+    const Ran ran = refused(words(line), code, "standoff: error: " + part);
     EXPECT_EQ(std::ranges::count(ran.err, '\n'), 1) << ran.err;
     EXPECT_EQ(ran.out, "") << line;
   }
@@ -278,8 +272,7 @@ TEST_F(BatchQuery, AnInterruptLeavesNoTable) {
   std::string poses;
   for (int n = 0; n < 300'000; ++n) poses += "0.9,0,0\n";
   write("poses.csv", poses);
-  testing::Process process(words("collide scene:labyrinth scene:fly --poses poses.csv -o out.csv --device emulated"),
-                           setup());
+  Process process(words("collide scene:labyrinth scene:fly --poses poses.csv -o out.csv --device emulated"), setup());
   ::usleep(500'000);
   process.send(SIGINT);
   const Ran ran = process.wait();
@@ -288,4 +281,4 @@ TEST_F(BatchQuery, AnInterruptLeavesNoTable) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

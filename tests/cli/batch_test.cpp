@@ -9,22 +9,15 @@
 
 #include "tests/cli/batch.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Arguments;
-using testing::Json;
-using testing::Ran;
-using testing::words;
 
 namespace fs = std::filesystem;
 
-class Batch : public testing::BatchTest {
+class Batch : public BatchTest {
  protected:
-  void refused(const std::string& line, int code, const std::string& part) const {
-    const Ran ran = run(words(line));
-    EXPECT_EQ(ran.code, code) << line << ": " << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: " + part)) << line << ": " << ran.err;
+  void fails(const std::string& line, int code, const std::string& part) const {
+    refused(words(line), code, "standoff: error: " + part);
   }
 };
 
@@ -170,24 +163,24 @@ TEST_F(Batch, ShardsMakeWhatOneRunMakes) {
 
 TEST_F(Batch, MergeMissesNothing) {
   write_meshes(5);
-  refused("batch --merge -o .", 2, ".: there is no manifest of a shard");
+  fails("batch --merge -o .", 2, ".: there is no manifest of a shard");
   done(words("batch list.txt -o out -r 20 --shard 1/2"));
-  refused("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is missing; run --shard 2/2");
+  fails("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is missing; run --shard 2/2");
   done(words("batch list.txt -o out -r 21 --shard 2/2"));
-  refused("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is of other options");
+  fails("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is of other options");
   write("other.txt", "mesh-0.obj\nmesh-4.obj\n");
   done(words("batch other.txt -o out -r 20 --shard 2/2 -f"));
-  refused("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is of another list");
+  fails("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: it is of another list");
   done(words("batch list.txt -o out -r 20 --shard 2/2 -f"));
   const std::string complete = read_bytes(folder / "out/manifest-2-of-2.jsonl");
   write("out/manifest-2-of-2.jsonl", complete.substr(0, complete.find('\n') + 1));
-  refused("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: mesh ");
+  fails("batch --merge -o out", 3, "out/manifest-2-of-2.jsonl: mesh ");
   // Somebody tried again: the last row counts.
   write("out/manifest-2-of-2.jsonl", complete + complete);
   done(words("batch --merge -o out"));
   EXPECT_EQ(rows().size(), 5u);
   fs::remove(folder / "out/summary-1-of-2.json");
-  refused("batch --merge -o out", 3, "out/summary-1-of-2.json: it is missing, so the shard has not come to its end");
+  fails("batch --merge -o out", 3, "out/summary-1-of-2.json: it is missing, so the shard has not come to its end");
 }
 
 TEST_F(Batch, TheOrderDoesNotMatter) {
@@ -277,7 +270,7 @@ TEST_F(Batch, ReadsAListFromAPipe) {
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
   how.in = ends[0];
-  testing::Process process(words("batch - -o slow -r 20"), how);
+  Process process(words("batch - -o slow -r 20"), how);
   ::close(ends[0]);
   ASSERT_EQ(::write(ends[1], "mesh-0.obj\nmesh-1", 17), 17);
   while (!fs::exists(folder / "slow/manifest.jsonl") || rows("slow/manifest.jsonl").empty()) std::this_thread::yield();
@@ -299,43 +292,41 @@ TEST_F(Batch, SaysWhatMakesNoSense) {
   write_meshes(1);
   write("empty.txt", "\n\n");
   fs::create_directory(folder / "empty");
-  refused("batch -o out", 2, "batch: no LIST given");
-  refused("batch list.txt", 2, "--output");
-  refused("batch mesh-0.obj -o out", 2, "mesh-0.obj: this is a mesh, and batch takes a list");
-  refused("batch missing.txt -o out", 3, "missing.txt: no such file");
-  refused("batch empty.txt -o out", 3, "empty.txt: there is no mesh in it");
-  refused("batch empty -o empty-out", 3, "empty: there is no mesh in it");
-  refused("batch empty -o out -0", 2, "--null: it is for lists");
+  fails("batch -o out", 2, "batch: no LIST given");
+  fails("batch list.txt", 2, "--output");
+  fails("batch mesh-0.obj -o out", 2, "mesh-0.obj: this is a mesh, and batch takes a list");
+  fails("batch missing.txt -o out", 3, "missing.txt: no such file");
+  fails("batch empty.txt -o out", 3, "empty.txt: there is no mesh in it");
+  fails("batch empty -o empty-out", 3, "empty: there is no mesh in it");
+  fails("batch empty -o out -0", 2, "--null: it is for lists");
   for (const char* shard : {"0/4", "5/4", "4", "a/b", "1/0"})
     EXPECT_EQ(run({"batch", "list.txt", "-o", "out", "--shard", shard}).code, 2) << shard;
-  refused("batch list.txt -o out --near 0.5", 2, "--near, --sigma and --seed are for points");
-  refused("batch list.txt -o out --points 9 --format vti", 2, "--points are written as .npz");
-  refused("batch list.txt -o out --points 9 --sign flood", 2, "--sign flood needs a grid");
-  refused("batch list.txt -o out --resume -f", 2, "-f begins anew");
-  refused("batch list.txt -o new --retry failed", 2, "new/manifest.jsonl: there is none");
-  refused("batch list.txt --merge -o out", 2, "--merge and LIST");
-  refused("batch --report -o empty", 2, "empty: there is no manifest in it");
+  fails("batch list.txt -o out --near 0.5", 2, "--near, --sigma and --seed are for points");
+  fails("batch list.txt -o out --points 9 --format vti", 2, "--points are written as .npz");
+  fails("batch list.txt -o out --points 9 --sign flood", 2, "--sign flood needs a grid");
+  fails("batch list.txt -o out --resume -f", 2, "-f begins anew");
+  fails("batch list.txt -o new --retry failed", 2, "new/manifest.jsonl: there is none");
+  fails("batch list.txt --merge -o out", 2, "--merge and LIST");
+  fails("batch --report -o empty", 2, "empty: there is no manifest in it");
   done(words("batch list.txt -o done -r 20"));
-  refused("batch list.txt -o done -r 20", 2, "done/manifest.jsonl: it exists; give --resume to go on");
+  fails("batch list.txt -o done -r 20", 2, "done/manifest.jsonl: it exists; give --resume to go on");
 }
 
 TEST_F(Batch, SaysWhatCannotBeWritten) {
   write_meshes(2);
   write("file", "");
-  refused("batch list.txt -o file -r 20", 4, "file: cannot make the folder");
-  refused("batch list.txt -o file/below -r 20", 4, "file/below: cannot make the folder");
+  fails("batch list.txt -o file -r 20", 4, "file: cannot make the folder");
+  fails("batch list.txt -o file/below -r 20", 4, "file/below: cannot make the folder");
   fs::create_directories(folder / "full");
   ASSERT_EQ(::symlink("/dev/full", (folder / "full/manifest.jsonl").c_str()), 0);
-  refused("batch list.txt -o full -r 20 -f", 4, "full/manifest.jsonl: cannot write it");
+  fails("batch list.txt -o full -r 20 -f", 4, "full/manifest.jsonl: cannot write it");
   // No file may grow past this: results fail one by one, and the manifest in the end. What it holds are whole rows.
   std::string list;
   for (int n = 0; n < 40; ++n) list += "mesh-0.obj\nscene:fly:5000\n";
   write("long.txt", list);
   auto how = setup();
   how.file_size = 20'000;
-  const Ran ran = run(words("batch long.txt -o out -r 40"), how);
-  EXPECT_EQ(ran.code, 4) << ran.err;
-  EXPECT_TRUE(ran.says("rows up to here are kept")) << ran.err;
+  refused(words("batch long.txt -o out -r 40"), how, 4, "rows up to here are kept");
   const std::string manifest = read_bytes(folder / "out/manifest.jsonl");
   EXPECT_TRUE(manifest.ends_with("}\n"));
   EXPECT_EQ(last_rows().at("scene:fly:5000")["code"], 4);
@@ -361,4 +352,4 @@ TEST_F(Batch, Report) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

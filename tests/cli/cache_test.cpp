@@ -8,17 +8,12 @@
 
 #include "tests/cli/batch.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Json;
-using testing::Process;
-using testing::Ran;
-using testing::words;
 
 namespace fs = std::filesystem;
 
-class Cache : public testing::BatchTest {
+class Cache : public BatchTest {
  protected:
   Cache() { write("mesh.obj", octahedron()); }
 
@@ -146,4 +141,4 @@ TEST_F(Cache, WhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

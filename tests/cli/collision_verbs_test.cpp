@@ -7,14 +7,10 @@
 
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
-class CollisionVerbs : public testing::ProgramTest {};
+class CollisionVerbs : public ProgramTest {};
 
 // Two boxes of 2 x 1.5 x 1 around the origin.
 TEST_F(CollisionVerbs, Collide) {
@@ -51,9 +47,7 @@ TEST_F(CollisionVerbs, CollideKnowsInside) {
   EXPECT_TRUE(json["triangle_a"].is_null());
   EXPECT_TRUE(json["contacts"].empty());
   EXPECT_FALSE(done(words("collide scene:box small.obj --json")).json().contains("containment"));
-  const Ran open = run(words("collide sheet.ply small.obj --containment"));
-  EXPECT_EQ(open.code, 3);
-  EXPECT_TRUE(open.says("neither body is closed and consistently oriented")) << open.err;
+  refused(words("collide sheet.ply small.obj --containment"), 3, "neither body is closed and consistently oriented");
   EXPECT_EQ(run(words("collide scene:box small.obj --containment --certified")).code, 2);
 }
 
@@ -100,9 +94,7 @@ TEST_F(CollisionVerbs, SweepsAlongScrewsAndPaths) {
   EXPECT_EQ(on_path["time"], second["time"]);
   EXPECT_NE(done(words(boxes + "--path way.csv")).out.find(" of 1 in motion 1, at "), std::string::npos);
   const auto expect = [&](const std::string& rest, int code, const std::string& part) {
-    const Ran ran = run(words(boxes + rest));
-    EXPECT_EQ(ran.code, code) << rest;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << rest << ": " << ran.err;
+    refused(words(boxes + rest), code, part);
   };
   expect("--screw 1,2,3", 2, "--screw '1,2,3': give seven numbers or eight");
   expect("--screw 1,2,3,0,0,0,90", 2, "the axis has no direction");
@@ -206,9 +198,7 @@ TEST_F(CollisionVerbs, FlyTakesADeviceAndRecomputes) {
 
 TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
   const auto expect = [this](const std::string& line, int code, const std::string& part) {
-    const Ran ran = run(words(line));
-    EXPECT_EQ(ran.code, code) << line;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << line << ": " << ran.err;
+    refused(words(line), code, part);
   };
   expect("collide scene:box scene:box --pose 1,2", 2, "--pose '1,2': give x,y,z");
   expect("collide scene:box scene:box --pose 0,0,0,0,0,0,90", 2, "the axis has no direction");
@@ -258,11 +248,7 @@ TEST_F(CollisionVerbs, ErrorsSayWhatToDo) {
 
 // What only the other mode knows was once left unsaid, and ignored.
 TEST_F(CollisionVerbs, FlyTakesNoOptionOfTheOtherMode) {
-  const auto expect = [this](const std::string& line, const std::string& part) {
-    const Ran ran = run(words(line));
-    EXPECT_EQ(ran.code, 2) << line;
-    EXPECT_NE(ran.err.find(part), std::string::npos) << line << ": " << ran.err;
-  };
+  const auto expect = [this](const std::string& line, const std::string& part) { refused(words(line), 2, part); };
   for (const std::string option : {"--minimum", "--thickness", "--threshold"})
     expect("fly " + option + " 3", option + ": only --mode thesis knows it; leave it out");
   expect("fly --recompute", "--recompute: only --mode thesis knows it; leave it out");
@@ -282,4 +268,4 @@ TEST_F(CollisionVerbs, FlySaysTheSameStepsInTextAndJson) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -13,19 +13,20 @@ import subprocess
 import unittest
 from pathlib import Path
 
-STANDOFF = os.environ["STANDOFF"]
+from program import STANDOFF, run
+
 HOME_HERE = dict(os.environ, HOME=os.getcwd())
 
 
-def run(*arguments):
-    return subprocess.run([STANDOFF, *arguments], check=True, capture_output=True, text=True).stdout
+def told(*arguments):
+    return run(*arguments).stdout
 
 
-VERBS = re.findall(r"^  (\w+) ", run("help").split("\nVerbs:\n")[1].split("\n\n")[0], re.MULTILINE)
+VERBS = re.findall(r"^  (\w+) ", told("help").split("\nVerbs:\n")[1].split("\n\n")[0], re.MULTILINE)
 OPTIONS = {
-    verb: re.findall(r"(?:^  |,)(--?[\w-]+)", run("help", verb).split("\nOptions:")[1], re.MULTILINE) for verb in VERBS
+    verb: re.findall(r"(?:^  |,)(--?[\w-]+)", told("help", verb).split("\nOptions:")[1], re.MULTILINE) for verb in VERBS
 }
-SCRIPTS = {shell: run("completion", shell) for shell in ("bash", "zsh", "fish")}
+SCRIPTS = {shell: told("completion", shell) for shell in ("bash", "zsh", "fish")}
 
 
 def needs(program):
@@ -173,17 +174,17 @@ class Completion(unittest.TestCase):
         self.assertEqual(offered("standoff compute ~/fold"), {"~/folder/"})
 
     def test_the_manual_has_every_verb_and_option(self):
-        self.assertEqual(run("man", "--list").split(), VERBS)
-        page = run("man")
+        self.assertEqual(told("man", "--list").split(), VERBS)
+        page = told("man")
         for verb in VERBS:
             self.assertIn(f"\n.TP\n\\fB{verb}\\fR\n", page)
-            verb_page = run("man", verb)
+            verb_page = told("man", verb)
             self.assertTrue(verb_page.startswith(f".TH STANDOFF\\-{verb.upper()} 1 "), verb)
             missing = [name for name in OPTIONS[verb] if "\\fB" + name.replace("-", "\\-") + "\\fR" not in verb_page]
             self.assertEqual(missing, [], verb)
             self.assertIn(".SH EXIT STATUS\n", verb_page)
-            rows = [line.split("` |")[0] for line in run("man", verb, "--markdown").splitlines() if line.startswith("| `")]
-            headings = re.findall(r"^## .*$", run("man", verb, "--markdown"), re.M)
+            rows = [line.split("` |")[0] for line in told("man", verb, "--markdown").splitlines() if line.startswith("| `")]
+            headings = re.findall(r"^## .*$", told("man", verb, "--markdown"), re.M)
             self.assertEqual(len(headings), len(set(headings)), f"{verb}: a group stands once")
             names = {name for row in rows for name in re.findall(r"-+[\w-]+", row)}
             self.assertEqual(set(OPTIONS[verb]) - names, set(), verb)
@@ -191,7 +192,7 @@ class Completion(unittest.TestCase):
 
     def check_pages(self, *command):
         for verb in ("", *VERBS):
-            Path("page.1").write_text(run("man", *filter(None, [verb])))
+            Path("page.1").write_text(told("man", *filter(None, [verb])))
             ran = subprocess.run(
                 [*command, "page.1"], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C.UTF-8"}
             )

@@ -7,15 +7,10 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Process;
-using testing::Ran;
-using testing::words;
-
-class Compute : public testing::ProgramTest {
+class Compute : public ProgramTest {
  protected:
   // The box scene spans (-1, -0.75, -0.5) to (1, 0.75, 0.5).
   Json planned(const std::string& options) const {
@@ -147,9 +142,7 @@ TEST_F(Compute, DryRunWritesNothing) {
 TEST_F(Compute, SlabsFitWhereTheWholeFieldDoesNot) {
   const std::string field = "compute scene:sphere --size 600,600,400 -t 60s --sign winding --json ";
   const std::string limited = field + "--memory-limit 300M ";
-  const Ran whole = run(words(limited + "-o a.nvdb"));
-  EXPECT_EQ(whole.code, 5);
-  EXPECT_TRUE(whole.says("more than the limit of 300")) << whole.err;
+  refused(words(limited + "-o a.nvdb"), 5, "more than the limit of 300");
   EXPECT_EQ(run(words(limited + "-o a.vti --with nearest")).code, 5);
   EXPECT_EQ(run(words(limited + "-o a.nvdb --dry-run")).code, 5);
   EXPECT_EQ(run(words(limited + "-o a.vti --dry-run")).code, 0);
@@ -346,9 +339,7 @@ TEST_F(Compute, TellsWhatTheReaderDidToCoordinates) {
 
 TEST_F(Compute, ForceOverwrites) {
   write_bytes(folder / "a.vti", "mine");
-  const Ran ran = run(words("compute scene:box -r 20 -o a.vti"));
-  EXPECT_EQ(ran.code, 2);
-  EXPECT_TRUE(ran.says("a.vti: it exists; give -f")) << ran.err;
+  refused(words("compute scene:box -r 20 -o a.vti"), 2, "a.vti: it exists; give -f");
   EXPECT_EQ(read_bytes(folder / "a.vti"), "mine");
   done(words("compute scene:box -r 20 -o a.vti -f"));
   EXPECT_GT(read_bytes(folder / "a.vti").size(), 1000u);
@@ -360,7 +351,7 @@ TEST_F(Compute, AFileThatAppearsMeanwhileStays) {
     auto command = words("compute scene:sphere:20000 -r 150 -j 1 -o a.vti");
     if (force) command.emplace_back("-f");
     std::filesystem::remove(folder / "a.vti");
-    testing::Process process(command, setup());
+    Process process(command, setup());
     ASSERT_TRUE(process.wait_for("full field\n"));
     write_bytes(folder / "a.vti", "theirs");
     const Ran ran = process.wait();
@@ -386,4 +377,4 @@ TEST_F(Compute, OddFileNames) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

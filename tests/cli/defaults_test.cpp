@@ -13,11 +13,8 @@
 #include "tests/cli/program.h"
 #include "tests/support/paths.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Json;
-using testing::Ran;
 
 std::string text_of(const std::filesystem::path& path) {
   std::ostringstream text;
@@ -88,7 +85,7 @@ TEST(Defaults, MemoryIsAShareOfTheMachines) {
   EXPECT_NO_THROW(compute(mesh, {{9, 9, 9}, {}, {0.1, 0.1, 0.1}}, 1, {.memory_limit = kNoMemoryLimit}));
 }
 
-class ProgramDefaults : public testing::ProgramTest {};
+class ProgramDefaults : public ProgramTest {};
 
 // What the help of a verb says about an option, in one line.
 std::string help_on(const std::string& help, const std::string& option) {
@@ -145,4 +142,4 @@ TEST_F(ProgramDefaults, GridsAreThoseOfTheLibrary) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

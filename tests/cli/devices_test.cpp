@@ -6,13 +6,10 @@
 #include "tests/cli/program.h"
 #include "tests/support/fields.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::words;
-
-class Devices : public testing::ProgramTest {};
+class Devices : public ProgramTest {};
 
 TEST_F(Devices, AreListed) {
   const Json list = done(words("devices --json")).json();
@@ -35,9 +32,9 @@ TEST_F(Devices, TheEmulatedOneGivesTheSameField) {
     };
     EXPECT_EQ(on("cpu")["device"], "cpu");
     EXPECT_EQ(on("emulated")["device"], "emulated");
-    testing::expect_same_bits(read_field(folder.path() / "cpu.npz"), read_field(folder.path() / "emulated.npz"));
+    expect_same_bits(read_field(folder.path() / "cpu.npz"), read_field(folder.path() / "emulated.npz"));
   }
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -7,11 +7,8 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Ran;
-using testing::words;
 
 struct Case {
   const char* command;
@@ -19,7 +16,7 @@ struct Case {
   std::string message;  // part of it
 };
 
-class Errors : public testing::ProgramTest {
+class Errors : public ProgramTest {
  protected:
   Errors() {
     write_bytes(folder / "box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -264,9 +261,7 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("compute scene:box -r 150 -o full.vti"));
   done(words("compute scene:box -r 150 -t 1s -o band.npz --with triangle --uncompressed"));
   for (const std::string line : {"info full.vti", "slice full.vti"}) {
-    const Ran ran = run(words(line + " --memory-limit 5M"));
-    EXPECT_EQ(ran.code, 5) << line;
-    EXPECT_TRUE(ran.says("standoff: error: full.vti: its tiles need ")) << ran.err;
+    const Ran ran = refused(words(line + " --memory-limit 5M"), 5, "standoff: error: full.vti: its tiles need ");
     EXPECT_TRUE(ran.says(" MiB, more than the limit of 5 MiB; give a higher limit\n")) << ran.err;
     done(words(line + " --memory-limit 40M"));
   }
@@ -280,9 +275,8 @@ TEST_F(Errors, FieldsThatAreReadKeepTheLimit) {
   done(words("info band.npz --memory-limit 9M"));
   EXPECT_EQ(run(words("info band.npz --memory-limit 1M")).code, 5);
   for (const std::string line : {"info box.obj", "convert box.obj -o c.stl"}) {
-    const Ran ran = run(words(line + " --memory-limit 5M"));
-    EXPECT_EQ(ran.code, 2) << line;
-    EXPECT_TRUE(ran.says("--memory-limit: it is for fields, and box.obj is none; leave it out")) << ran.err;
+    refused(words(line + " --memory-limit 5M"), 2,
+            "--memory-limit: it is for fields, and box.obj is none; leave it out");
   }
 }
 
@@ -331,9 +325,8 @@ TEST_F(Errors, WhatAFieldTellsOfItselfStaysOnItsLine) {
 TEST_F(Errors, OutOfMemory) {
   auto how = setup();
   how.memory = rlim_t{600} << 20;
-  const Ran ran = run(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vdb"), how);
-  EXPECT_EQ(ran.code, 5) << ran.err;
-  EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
+  const Ran ran =
+      refused(words("compute scene:box -r 900 -j 1 --memory-limit 100G -o a.vdb"), how, 5, "standoff: error: ");
   EXPECT_TRUE(ran.says("memory")) << ran.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.vdb"));
 }
@@ -381,4 +374,4 @@ TEST_F(Errors, JsonStaysSilentOnErrors) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -13,17 +13,13 @@
 
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Process;
-using testing::Ran;
-using testing::words;
-
 // Would take hours: Algorithm 1 tests every triangle at every sample of a full field. Little memory.
-const testing::Arguments kEndless = words("compute scene:sphere:200000 -r 300 --method thesis --skip none -o a.vti -f");
+const Arguments kEndless = words("compute scene:sphere:200000 -r 300 --method thesis --skip none -o a.vti -f");
 
-class Interrupt : public testing::ProgramTest {
+class Interrupt : public ProgramTest {
  protected:
   // Started, and so far that the computation has begun or is about to.
   Process& started(const Process::Setup& how) {
@@ -249,9 +245,7 @@ TEST_F(Interrupt, Verify) {
 // A full disk, met while writing.
 TEST_F(Interrupt, FullDisk) {
   ASSERT_EQ(::symlink("/dev/full", (folder / "full.nrrd").c_str()), 0);
-  const Ran ran = run(words("compute scene:box -r 40 -o full.nrrd"));
-  EXPECT_EQ(ran.code, 4);
-  EXPECT_TRUE(ran.says("standoff: error: full.nrrd: ")) << ran.err;
+  const Ran ran = refused(words("compute scene:box -r 40 -o full.nrrd"), 4, "standoff: error: full.nrrd: ");
   EXPECT_TRUE(ran.says("no space left")) << ran.err;
 }
 
@@ -261,9 +255,7 @@ TEST_F(Interrupt, FileSizeLimit) {
   for (const std::string command :
        {"compute scene:box -r 60 -o a.vti", "compute scene:box -r 60 -o a.nrrd", "compute scene:box -r 60 -o a.npz",
         "generate sphere -o a.ply", "generate sphere -o a.stl", "generate sphere -o a.obj"}) {
-    const Ran ran = run(words(command), how);
-    EXPECT_EQ(ran.code, 4) << command << "\n" << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: a.")) << ran.err;
+    refused(words(command), how, 4, "standoff: error: a.");
     EXPECT_TRUE(folder.names().empty()) << command;
   }
 }
@@ -307,8 +299,7 @@ TEST_F(Interrupt, BrokenPipeEndsWithoutAMessage) {
 // A pseudo-terminal for stderr: the bar is drawn there, and wiped away.
 class Terminal : public Interrupt {
  protected:
-  std::string said_on_a_terminal(const testing::Arguments& arguments, int signal_after_bar,
-                                 const char* bar = " % ") const {
+  std::string said_on_a_terminal(const Arguments& arguments, int signal_after_bar, const char* bar = " % ") const {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
     auto how = setup();
     if (terminal >= 0 && ::grantpt(terminal) == 0 && ::unlockpt(terminal) == 0)
@@ -368,4 +359,4 @@ TEST_F(Terminal, HasNoneWhenAskedSo) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

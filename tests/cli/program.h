@@ -157,6 +157,16 @@ class ProgramTest : public ::testing::Test {
   }
   Ran run(const Arguments& arguments) const { return Process(arguments, setup()).wait(); }
   Ran run(const Arguments& arguments, const Process::Setup& how) const { return Process(arguments, how).wait(); }
+  /// A run that must end with this exit code and say this.
+  Ran refused(const Arguments& arguments, const Process::Setup& how, int code, const std::string& part) const {
+    Ran ran = run(arguments, how);
+    EXPECT_EQ(ran.code, code) << ::testing::PrintToString(arguments) << ran.err;
+    EXPECT_TRUE(ran.says(part)) << ::testing::PrintToString(arguments) << ran.err << "lacks " << part;
+    return ran;
+  }
+  Ran refused(const Arguments& arguments, int code, const std::string& part) const {
+    return refused(arguments, setup(), code, part);
+  }
   /// A run that must succeed.
   Ran done(const Arguments& arguments) const {
     Ran ran = run(arguments);

@@ -6,19 +6,12 @@ import json
 import os
 import pathlib
 import struct
-import subprocess
 import sys
 import zlib
 
 import numpy as np
+from program import run
 
-STANDOFF = os.environ["STANDOFF"]
-
-
-def run(*words, code=0):
-    ran = subprocess.run([STANDOFF, *map(str, words)], capture_output=True, text=True)
-    assert ran.returncode == code, (words, ran.returncode, ran.stderr)
-    return ran
 
 
 def pixels(path):

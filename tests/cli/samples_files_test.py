@@ -2,18 +2,9 @@
 """What `crossings`, `voxels` and `compute --with` write, as numpy and a plain binvox reader see it."""
 
 import csv
-import os
-import subprocess
 
 import numpy as np
-
-STANDOFF = os.environ["STANDOFF"]
-
-
-def run(*words, code=0):
-    ran = subprocess.run([STANDOFF, *words], capture_output=True, text=True)
-    assert ran.returncode == code, (words, ran.returncode, ran.stderr)
-    return ran
+from program import run
 
 
 def crossings():

@@ -9,26 +9,22 @@
 #include "tests/cli/program.h"
 #include "tests/sign/shapes.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
 // Meshes in files: a ball of radius 1, one of them damaged or turned inside out; a sheet; a strip with one side.
-class Sign : public testing::ProgramTest {
+class Sign : public ProgramTest {
  protected:
   Sign() {
-    const Mesh ball = testing::sphere(8);
+    const Mesh ball = sphere(8);
     write_mesh(folder / "ball.obj", ball);
-    write_mesh(folder / "inside_out.obj", testing::reversed(ball));
-    write_mesh(folder / "flipped.obj", testing::with_flipped(ball, 60));
-    write_mesh(folder / "hole.obj", testing::without(ball, 60));
-    write_mesh(folder / "both.obj", testing::joined(ball, testing::reversed(ball)));
-    write_mesh(folder / "nested.obj", testing::joined(ball, testing::moved(ball, {}, 0.5)));
-    write_mesh(folder / "sheet.obj", testing::terrain(8, 0.1));
-    write_mesh(folder / "strip.obj", testing::moebius());
+    write_mesh(folder / "inside_out.obj", reversed(ball));
+    write_mesh(folder / "flipped.obj", with_flipped(ball, 60));
+    write_mesh(folder / "hole.obj", without(ball, 60));
+    write_mesh(folder / "both.obj", joined(ball, reversed(ball)));
+    write_mesh(folder / "nested.obj", joined(ball, moved(ball, {}, 0.5)));
+    write_mesh(folder / "sheet.obj", terrain(8, 0.1));
+    write_mesh(folder / "strip.obj", moebius());
   }
   Ran compute(const std::string& options) const { return run(words("compute -r 24 -f -o out.vti " + options)); }
   DistanceField field() const { return read_field(folder / "out.vti"); }
@@ -184,9 +180,7 @@ TEST_F(Sign, Json) {
 TEST_F(Sign, StrictRefusesWhereItDoubts) {
   for (const std::string doubtful : {"sheet.obj --sign auto", "sheet.obj --sign winding", "strip.obj --sign auto",
                                      "strip.obj --sign winding", "sheet.obj --sign flood"}) {
-    const Ran ran = run(words("compute -r 16 -o doubt.vti --strict " + doubtful));
-    EXPECT_EQ(ran.code, 8) << doubtful << "\n" << ran.err;
-    EXPECT_TRUE(ran.says("standoff: error: ")) << ran.err;
+    refused(words("compute -r 16 -o doubt.vti --strict " + doubtful), 8, "standoff: error: ");
     EXPECT_FALSE(folder.names().contains("doubt.vti")) << doubtful;
   }
   for (const std::string sure : {"ball.obj --sign auto", "ball.obj --sign winding", "ball.obj --sign parity",
@@ -208,9 +202,7 @@ TEST_F(Sign, PairsThatContradictEachOther) {
            Pair{"--sign wind", "--sign 'wind': give "},
            Pair{"--sign winding --rule even", "--rule 'even': give positive, nonzero or odd"},
        }) {
-    const Ran ran = run(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)));
-    EXPECT_EQ(ran.code, 2) << options << "\n" << ran.err;
-    EXPECT_TRUE(ran.says(message)) << options << "\n" << ran.err;
+    refused(words("compute -r 16 -o wrong.vti ball.obj " + std::string(options)), 2, message);
     EXPECT_FALSE(folder.names().contains("wrong.vti")) << options;
   }
   const Ran unknown = run(words("compute ball.obj --sign wind"));
@@ -219,9 +211,8 @@ TEST_F(Sign, PairsThatContradictEachOther) {
 }
 
 TEST_F(Sign, ParityOfAnOpenMeshIsRefused) {
-  const Ran ran = run(words("compute -r 16 -o open.vti hole.obj --sign parity"));
-  EXPECT_EQ(ran.code, 3);
-  EXPECT_TRUE(ran.says("not closed") && ran.says("take")) << ran.err;
+  const Ran ran = refused(words("compute -r 16 -o open.vti hole.obj --sign parity"), 3, "not closed");
+  EXPECT_TRUE(ran.says("take")) << ran.err;
 }
 
 TEST_F(Sign, VerifyFindsAForeignMesh) {
@@ -231,4 +222,4 @@ TEST_F(Sign, VerifyFindsAForeignMesh) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

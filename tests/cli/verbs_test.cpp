@@ -11,14 +11,10 @@
 #include "standoff/io.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Json;
-using testing::Ran;
-using testing::words;
-
-class Verbs : public testing::ProgramTest {
+class Verbs : public ProgramTest {
  protected:
   static bool holds(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
   static bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
@@ -230,9 +226,8 @@ TEST_F(Verbs, VerifyFails) {
   DistanceField wrong = DistanceField::from_dense(field.grid(), field.thickness(), values);
   wrong.set_provenance(field.provenance());
   write_field(folder / "wrong.vti", wrong);
-  const Ran ran = run(words("verify wrong.vti scene:box --samples 1000000"));
-  EXPECT_EQ(ran.code, 7);
-  EXPECT_TRUE(ran.says("standoff: error: wrong.vti: sample (3, 4, 5) at ")) << ran.err;
+  const Ran ran = refused(words("verify wrong.vti scene:box --samples 1000000"), 7,
+                          "standoff: error: wrong.vti: sample (3, 4, 5) at ");
   EXPECT_TRUE(ran.says("as 1 sample of ")) << ran.err;
   const Ran as_json = run(words("verify wrong.vti scene:box --samples 1000000 --json"));
   EXPECT_EQ(as_json.code, 7);
@@ -260,9 +255,7 @@ TEST_F(Verbs, VerifyChecksTheSign) {
 
   const DistanceField field = read_field(folder / "a.vti");
   write_field(folder / "wrong.npz", with_wrong_sign(field, field.grid().index(3, 4, 5)));
-  const Ran wrong = run(words("verify wrong.npz" + every));
-  EXPECT_EQ(wrong.code, 7);
-  EXPECT_TRUE(wrong.says("standoff: error: wrong.npz: sample (3, 4, 5) at ")) << wrong.err;
+  const Ran wrong = refused(words("verify wrong.npz" + every), 7, "standoff: error: wrong.npz: sample (3, 4, 5) at ");
   EXPECT_TRUE(wrong.says("the sign is wrong, the sample is ")) << wrong.err;
   EXPECT_TRUE(wrong.says("1 sample of ")) << wrong.err;
   const Json json = run(words("verify wrong.npz --json" + every)).json();
@@ -291,9 +284,7 @@ TEST_F(Verbs, VerifySaysWhatItDoesNotCheck) {
 
 TEST_F(Verbs, VerifySaysWhenTheMeshIsAnother) {
   done(words("compute scene:box -r 20 -o a.vti --scale 2"));
-  const Ran other = run(words("verify a.vti scene:box"));
-  EXPECT_EQ(other.code, 7);
-  EXPECT_TRUE(other.says("standoff: warning: a.vti: computed from another mesh")) << other.err;
+  refused(words("verify a.vti scene:box"), 7, "standoff: warning: a.vti: computed from another mesh");
   EXPECT_FALSE(done(words("verify a.vti scene:box --scale 2")).says("warning"));
 }
 
@@ -351,4 +342,4 @@ TEST_F(Verbs, ConvertFields) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

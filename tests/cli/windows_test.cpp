@@ -2,30 +2,22 @@
 // standoff compute --window and --decision: windows that programs of their own compute, by a sign that one decided.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 
-#include "scenes/scenes.h"
-#include "standoff/io.h"
 #include "standoff/sign_decision.h"
 #include "tests/cli/program.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Ran;
-using testing::words;
-
-class WindowOptions : public testing::ProgramTest {
+class WindowOptions : public ProgramTest {
  protected:
   Ran window(const std::string& options, const std::string& output) const {
     return run(words("compute " + options + " -f -o " + output));
   }
   std::string bytes(const std::string& file) const { return read_bytes(folder / file); }
   void expect_refused(const std::string& options, const std::string& says) const {
-    const Ran ran = window(options, "refused.vti");
-    EXPECT_EQ(ran.code, 2) << ran.err;
-    EXPECT_TRUE(ran.says(says)) << ran.err;
+    refused(words("compute " + options + " -f -o refused.vti"), 2, says);
     EXPECT_FALSE(folder.names().contains("refused.vti"));
   }
 };
@@ -89,12 +81,12 @@ TEST_F(WindowOptions, TwoDecideAtOnce) {
     return words("compute scene:nested -r 64 -t 2s --window 0,0," + std::to_string(16 * n) +
                  ",16,16,16 --decision kept -o " + std::to_string(n) + ".vti");
   };
-  testing::Process one(command(0), setup()), two(command(1), setup()), three(command(2), setup());
-  for (testing::Process* const process : {&one, &two, &three}) EXPECT_EQ(process->wait().code, 0);
+  Process one(command(0), setup()), two(command(1), setup()), three(command(2), setup());
+  for (Process* const process : {&one, &two, &three}) EXPECT_EQ(process->wait().code, 0);
   const std::string kept = bytes("kept");
   EXPECT_NO_THROW(SignDecision::from_bytes(std::as_bytes(std::span(kept))));
   EXPECT_EQ(folder.names(), (std::set<std::string>{"0.vti", "1.vti", "2.vti", "kept"}));
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -5,18 +5,10 @@ import filecmp
 import json
 import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
-
-STANDOFF = os.environ["STANDOFF"]
-
-
-def run(*words, code=0):
-    ran = subprocess.run([STANDOFF, *words], capture_output=True, text=True)
-    assert ran.returncode == code, (words, ran.returncode, ran.stderr)
-    return ran
+from program import run
 
 
 def files_of(store):

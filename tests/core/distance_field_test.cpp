@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <ranges>
-#include <stdexcept>
 #include <vector>
 
 #include "field_samples.h"
@@ -18,12 +16,8 @@
 #include "tests/support/error_code.h"
 #include "tests/support/fields.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::code_of;
-using testing::for_each_sample;
-using testing::kInfinity;
 
 TEST(DistanceField, NewOnesAreFarEverywhere) {
   const DistanceField field(kGrid, 3.5, true);
@@ -63,7 +57,7 @@ TEST(DistanceField, DenseInIsDenseOut) {
   const auto field = DistanceField::from_dense(kGrid, 3.5, values, nearest);
   EXPECT_TRUE(field.has_nearest());
   EXPECT_EQ(field.to_dense(), values);
-  EXPECT_EQ(testing::all_nearest(field), nearest);
+  EXPECT_EQ(all_nearest(field), nearest);
   for_each_sample(kGrid, [&](auto i, auto j, auto k) {
     ASSERT_EQ(field.value(i, j, k), values[kGrid.index(i, j, k)]);
     ASSERT_EQ(field.nearest(i, j, k), nearest[kGrid.index(i, j, k)]);
@@ -98,7 +92,7 @@ TEST(DistanceField, TilesWithNearestTrianglesAtTheThicknessAreStored) {
   nearest[100] = 3;
   const auto field = DistanceField::from_dense(grid, 2, values, nearest);
   EXPECT_EQ(field.stored_tiles(), 1);
-  EXPECT_EQ(testing::all_nearest(field), nearest);
+  EXPECT_EQ(all_nearest(field), nearest);
 }
 
 TEST(DistanceField, StoredTilesAreReadBack) {
@@ -147,7 +141,7 @@ TEST(DistanceField, CopiesAreDeepAndMovesAreWhole) {
   const_cast<float&>((*field.tile(0, 0, 0))[0]) = 3.25f;
   EXPECT_EQ(field.value(0, 0, 0), 3.25f);
   EXPECT_EQ(copy.to_dense(), values);
-  EXPECT_EQ(testing::all_nearest(copy), nearest);
+  EXPECT_EQ(all_nearest(copy), nearest);
 
   DistanceField assigned(Grid{{1, 1, 1}, {}, {1, 1, 1}}, 1);
   assigned = copy;
@@ -176,7 +170,7 @@ void expect_empty(DistanceField& field) {
   EXPECT_EQ(field.interpolate({3, 4, 5}, Outside::border), kInfinity);
   EXPECT_EQ(field.gradient({3, 4, 5}, Outside::border), Vec3{});
   EXPECT_EQ(field.to_dense(), std::vector<float>{std::numeric_limits<float>::infinity()});
-  EXPECT_EQ(testing::code_of([&] { field.store_tile(0, 0, 0); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.store_tile(0, 0, 0); }), ErrorCode::usage);
   EXPECT_EQ(DistanceField(field).stored_tiles(), 0);
 }
 
@@ -210,16 +204,16 @@ TEST(DistanceField, TilesOfAGridAreKnownBeforeTheField) {
 
 TEST(DistanceField, TilesAreStoredOnce) {
   DistanceField field(kGrid, 9, true);
-  EXPECT_EQ(testing::code_of([&] { field.store_nearest(1, 1, 2); }), ErrorCode::usage) << "not stored";
+  EXPECT_EQ(code_of([&] { field.store_nearest(1, 1, 2); }), ErrorCode::usage) << "not stored";
   field.store_tile(1, 1, 2);
   EXPECT_NO_THROW(field.store_nearest(1, 1, 2));
-  EXPECT_EQ(testing::code_of([&] { field.store_tile(1, 1, 2); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { field.store_tile(1, 1, 2); }), ErrorCode::usage);
   for (const Size3 t : {Size3{-1, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 4}})
-    EXPECT_EQ(testing::code_of([&] { field.store_tile(t.x, t.y, t.z); }), ErrorCode::usage) << t.x << t.y << t.z;
+    EXPECT_EQ(code_of([&] { field.store_tile(t.x, t.y, t.z); }), ErrorCode::usage) << t.x << t.y << t.z;
   EXPECT_EQ(field.stored_tiles(), 1);
   DistanceField plain(kGrid, 9);
   plain.store_tile(0, 0, 0);
-  EXPECT_EQ(testing::code_of([&] { plain.store_nearest(0, 0, 0); }), ErrorCode::usage);
+  EXPECT_EQ(code_of([&] { plain.store_nearest(0, 0, 0); }), ErrorCode::usage);
 }
 
 // More tiles than a chunk of the pool holds.
@@ -351,4 +345,4 @@ TEST(DistanceField, SignedFieldsComeBackFromDenseMemory) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -11,12 +11,8 @@
 #include "tests/support/error_code.h"
 #include "tests/support/fields.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::code_of;
-using testing::for_each_sample;
-using testing::kInfinity;
 
 TEST(ErasedTiles, ErasedTilesAreGone) {
   const auto values = numbers(kGrid, 3);
@@ -71,4 +67,4 @@ TEST(ErasedTiles, ManyTilesAreErasedOrNone) {
 
 // A tile that is not stored was +thickness, whatever side it lies on.
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -52,8 +52,7 @@ TEST(ErrorDetails, NameTheTriangle) {
 }
 
 TEST(ErrorDetails, TellTheBytesOfAComputation) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.memory_limit = 1000;
+  ComputeOptions options{.sign = {SignMethod::none}, .memory_limit = 1000};
   const Error error = error_of([&] { compute(kErrorMesh, kErrorGrid, 1, options); });
   EXPECT_EQ(error.code(), ErrorCode::limit);
   EXPECT_EQ(error.details().bytes_limit, 1000);

@@ -14,12 +14,8 @@
 #include "tests/support/error_code.h"
 #include "tests/support/fields.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::code_of;
-using testing::for_each_sample;
-using testing::kInfinity;
 
 // A linear function has itself as its trilinear interpolation and its slope as the gradient.
 constexpr Vec3 kSlope{2, -3, 0.5};
@@ -211,4 +207,4 @@ TEST(FieldInterpolation, InfiniteValuesGiveInfinityNeverNaN) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

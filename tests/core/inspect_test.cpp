@@ -22,8 +22,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 TEST(Inspect, TheBandOfAField) {
   const Mesh mesh = scenes::make("sphere", 500);
   const Grid grid = fit_resolution(bounds(mesh), 37);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
   const double thickness = 2.5 * grid.spacing.x;
   const ComputeResult plain = compute(mesh, grid, thickness, options);
   options.nearest = true;

@@ -12,6 +12,7 @@
 #include "standoff/points.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/verify.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
@@ -24,12 +25,7 @@ const Grid kViewGrid{{21, 18, 19}, {-5, -5, -5}, {0.5, 0.5, 0.5}};
 // A mesh whose vertices are floats, so that all layouts hold the same numbers; some triangles are long.
 Mesh float_mesh(unsigned seed) {
   Mesh mesh = testing::random_soup(seed, 120, 4, 1);
-  const Mesh long_ones = testing::random_soup(seed + 1, 4, 4, 15);
-  for (Triangle t : long_ones.triangles) {
-    for (std::uint32_t& v : t) v += static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.triangles.push_back(t);
-  }
-  mesh.vertices.insert(mesh.vertices.end(), long_ones.vertices.begin(), long_ones.vertices.end());
+  testing::append(mesh, testing::random_soup(seed + 1, 4, 4, 15));
   for (Vec3& v : mesh.vertices) v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   return mesh;
 }
@@ -160,10 +156,8 @@ TEST(MeshView, EveryMethodAndInstructionSetReadsIt) {
     for (const Method method : {Method::tiles, Method::thesis})
       for (const SkipRule::Kind kind : {SkipRule::Kind::none, SkipRule::Kind::neighbour, SkipRule::Kind::exact})
         for (const Backend backend : {Backend::cpu, testing::kEmulated}) {
-          ComputeOptions options{.sign = {SignMethod::none}};
-          options.method = method;
-          options.skip.kind = kind;
-          options.execution.backend = backend;
+          ComputeOptions options{
+              .method = method, .skip = {.kind = kind}, .sign = {SignMethod::none}, .execution = {.backend = backend}};
           testing::expect_same_bits(compute(view, kViewGrid, 1, options).field,
                                     compute(mesh, kViewGrid, 1, options).field);
         }

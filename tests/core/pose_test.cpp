@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "standoff/error.h"
 #include "tests/support/expect_error.h"

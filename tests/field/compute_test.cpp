@@ -41,8 +41,7 @@ TEST(Compute, MeshErrorsNameTheTriangle) {
 TEST(Compute, OptionErrors) {
   for (const double thickness : {0.0, -1.0, kNaN})
     expect_compute_error(soup(), {}, ErrorCode::usage, "thickness must be positive", thickness);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = -1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = -1}};
   expect_compute_error(soup(), options, ErrorCode::usage, "threads");
   options = {.sign = {SignMethod::none}};
   options.skip = {SkipRule::Kind::neighbour, 1.5};
@@ -63,8 +62,7 @@ TEST(Compute, MemoryOfTheWrongLength) {
   };
   expect_refused(std::span(values).first(values.size() - 1), {}, {});
   expect_refused(values, std::span(nearest).first(1), {});
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.nearest = true;
+  ComputeOptions options{.sign = {SignMethod::none}, .nearest = true};
   expect_refused(values, {}, options);
 }
 
@@ -90,16 +88,13 @@ TEST(Compute, MemoryNeededCountsTheCallersMemory) {
 
 TEST(Compute, MemoryNeededDoesNotOverflow) {
   const std::int64_t large = std::int64_t{1} << 40;
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1}};
   EXPECT_GT(estimate(1, {{large, 1 << 22, 1}, {}, {1, 1, 1}}, kFullField, options).whole, large);
 }
 
 TEST(Compute, MemoryNeededCountsTheSkipRule) {
   const auto needed = [](SkipRule::Kind kind) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.skip.kind = kind;
-    return estimate(1'000'000, kComputeGrid, 1, options).whole;
+    return estimate(1'000'000, kComputeGrid, 1, {.skip = {.kind = kind}, .sign = {SignMethod::none}}).whole;
   };
   const auto none = needed(SkipRule::Kind::none);
   EXPECT_EQ(needed(SkipRule::Kind::neighbour) - none, 4'000'000);
@@ -149,8 +144,7 @@ TEST(Compute, CancelsBeforeTheFirstBrick) {
   const Mesh mesh = testing::random_soup(5, 3000, 2, 0.5);
   for (const double thickness : {0.5, 4.0}) {
     int before_bricks = 0;
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution.threads = 1;
+    ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1}};
     options.progress = [&](const Progress& progress) {
       before_bricks += progress.stage == std::string("distances") && progress.fraction == 0.2;
       return before_bricks < 3;
@@ -166,8 +160,7 @@ TEST(ComputeIntoAField, GivesWhatComputeGives) {
   for (const bool nearest : {false, true, false})
     for (const double thickness : {0.5, std::numeric_limits<double>::infinity(), 0.25})
       for (const Grid& grid : grids) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.nearest = nearest;
+        ComputeOptions options{.sign = {SignMethod::none}, .nearest = nearest};
         const ComputeResult expected = compute(soup(), grid, thickness, options);
         const ComputeReport report = compute_into(soup(), grid, thickness, field, options);
         EXPECT_EQ(report.tiles_stored, expected.report.tiles_stored);
@@ -201,8 +194,7 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
     EXPECT_EQ(field.to_dense() == before, kept);
     EXPECT_EQ(field.stored_tiles() == 0, !kept);
   };
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = -1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = -1}};
   expect_refused(soup(), options, ErrorCode::usage, true);
   options = {.sign = {SignMethod::none}};
   options.memory_limit = 1000;
@@ -215,8 +207,7 @@ TEST(ComputeIntoAField, ThatFailsLeavesItEmptyOrAsItWas) {
 }
 
 TEST(Compute, HashesTheMeshWhereItIsWanted) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.hash_mesh = false;
+  ComputeOptions options{.sign = {SignMethod::none}, .hash_mesh = false};
   options.progress = [](const Progress& progress) { return progress.stage != std::string("checksum"); };
   const DistanceField field = compute(soup(), kComputeGrid, 1, options).field;
   EXPECT_EQ(field.provenance().mesh_hash, 0u);
@@ -224,8 +215,7 @@ TEST(Compute, HashesTheMeshWhereItIsWanted) {
 }
 
 TEST(Compute, ReportsWhatItDid) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = 2;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 2}};
   const ComputeResult done = compute(soup(), kComputeGrid, 0.5, options);
   const ComputeReport& report = done.report;
   EXPECT_EQ(report.method, "tiles");

@@ -81,8 +81,7 @@ TEST(Copies, ChangeNoBitOfAField) {
   const Mesh one = random_soup(5, 60, 1.5, 0.8), mesh = repeated(one, 20);
   for (const double thickness : {0.3, 1.0, kInfinity})
     for (const bool dense : {false, true}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.nearest = true;
+      ComputeOptions options{.sign = {SignMethod::none}, .nearest = true};
       const auto values = [&](SkipRule::Kind kind, const Mesh& of, ComputeReport& report) {
         options.skip.kind = kind;
         const auto samples = static_cast<std::size_t>(kCopiesGrid.sample_count());

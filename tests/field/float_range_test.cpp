@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "standoff/compute.h"
-#include "standoff/error.h"
+#include "tests/support/expect_error.h"
 
 namespace standoff {
 namespace {
@@ -16,17 +16,9 @@ Mesh triangle_at(double x, double size = 1) { return {{{x, 0, 0}, {x + size, 0, 
 
 void expect_limit(const Mesh& mesh, const Grid& grid, const char* says) {
   for (const Method method : {Method::tiles, Method::thesis})
-    for (const double thickness : {2 * grid.max_spacing(), std::numeric_limits<double>::infinity()}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.method = method;
-      try {
-        compute(mesh, grid, thickness, options);
-        ADD_FAILURE() << "computed: " << says;
-      } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::limit) << error.what();
-        EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
-      }
-    }
+    for (const double thickness : {2 * grid.max_spacing(), std::numeric_limits<double>::infinity()})
+      expect_error([&] { compute(mesh, grid, thickness, {.method = method, .sign = {SignMethod::none}}); },
+                   ErrorCode::limit, says);
 }
 
 TEST(Domain, AMeshBeyondTheSquaresOfFloat) {

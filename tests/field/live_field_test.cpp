@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "standoff/update.h"
-#include "tests/collision/bodies.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
@@ -27,25 +27,9 @@ namespace {
 const Vec3 kPlace{1000.1, -20000.3, 0.7};  // far from the origin
 const Grid kGrid{{61, 53, 67}, kPlace - Vec3{1.25, 1.3, 1.35}, {0.042, 0.048, 0.04}};
 
-Mesh placed(Mesh mesh) {
-  for (Vec3& v : mesh.vertices) v = v + kPlace;
-  return mesh;
-}
-void append(Mesh& to, const Mesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(to.vertices.size());
-  for (const Triangle& t : mesh.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  to.vertices.insert(to.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-}
-Mesh reversed(Mesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  return mesh;
-}
+Mesh placed(const Mesh& mesh) { return moved(mesh, kPlace); }
 Mesh ball() { return placed(welded_ball(0.9, 8)); }
-Mesh open_ball() {
-  Mesh mesh = ball();
-  mesh.triangles.erase(mesh.triangles.begin() + 20, mesh.triangles.begin() + 25);
-  return mesh;
-}
+Mesh open_ball() { return with_hole(ball(), 20, 25); }
 // Three that do not touch, the last one in the first.
 Mesh balls() {
   Mesh mesh = welded_ball(0.6, 6, {-0.5, 0, 0});
@@ -53,11 +37,7 @@ Mesh balls() {
   append(mesh, welded_ball(0.2, 3, {-0.5, 0.1, 0}));
   return placed(mesh);
 }
-Mesh hollow_ball() {
-  Mesh mesh = welded_ball(0.9, 7);
-  append(mesh, reversed(welded_ball(0.5, 5)));
-  return placed(mesh);
-}
+Mesh hollow_ball() { return placed(joined(welded_ball(0.9, 7), reversed(welded_ball(0.5, 5)))); }
 Mesh unwelded_ball() { return unwelded(ball()); }
 
 void expect_as_computed(LiveField& live, const Grid& grid, double thickness, const ComputeOptions& options) {

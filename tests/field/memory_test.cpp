@@ -3,7 +3,6 @@
 // allocations.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <regex>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "core/memory.h"
-#include "field/plan.h"
 #include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/io.h"
@@ -23,11 +21,11 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/temp_folder.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::heap::Limit;
-using testing::heap::most_held;
+using heap::Limit;
+using heap::most_held;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Mesh kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
@@ -44,10 +42,8 @@ void expect_enough(const Mesh& mesh, double thickness) {
   const Grid grid = cube(64, {-5, -5, -5}, 10);
   for (const int threads : {1, 8})
     for (const bool nearest : {false, true}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.execution.backend = Backend::cpu;
-      options.execution.threads = threads;
-      options.nearest = nearest;
+      ComputeOptions options{
+          .sign = {SignMethod::none}, .execution = {.threads = threads, .backend = Backend::cpu}, .nearest = nearest};
       const std::int64_t needed = estimate(mesh, grid, thickness, options).whole;
       const std::int64_t taken = most_held([&] { compute(mesh, grid, thickness, options); });
       EXPECT_LE(taken, needed + kSmallThings)
@@ -57,22 +53,20 @@ void expect_enough(const Mesh& mesh, double thickness) {
 }
 
 TEST(Memory, ThinBandsTakeNoMoreThanWasSaid) {
-  for (const double size : {4.0, 0.1}) expect_enough(testing::random_soup(5, 2000, 4, size), 0.3);
+  for (const double size : {4.0, 0.1}) expect_enough(random_soup(5, 2000, 4, size), 0.3);
   expect_enough(kTriangle, 0.3);
 }
 
 TEST(Memory, WideFieldsTakeNoMoreThanWasSaid) {
   for (const double thickness : {2.0, kInfinity}) {
     expect_enough(kTriangle, thickness);
-    expect_enough(testing::random_soup(5, 2000, 4, 4), thickness);
+    expect_enough(random_soup(5, 2000, 4, 4), thickness);
   }
 }
 
 // A band around one triangle stores a few tiles of a grid whose samples would fill 32 GB.
 TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 2;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}};
   const Grid grid = cube(2000, {0, 0, -0.5}, 1);
   options.memory_limit = std::int64_t{1} << 30;
   EXPECT_GT(estimate(1, grid, 2 * grid.spacing.x, options).whole, 30'000'000'000);
@@ -84,8 +78,7 @@ TEST(Memory, SparseBandsAreNotRefusedForTheirGrid) {
 }
 
 TEST(Memory, TilesAreCountedWhereTrianglesReach) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1}};
   const Grid grid{{4096, 4096, 8}, {}, {1, 1, 1}};
   const auto needed = [&](const Mesh& mesh, double thickness = 0.5) {
     return estimate(mesh, grid, thickness, options).whole;
@@ -109,13 +102,7 @@ TEST(Memory, TilesAreCountedWhereTrianglesReach) {
   // Each in a tile of its own.
   const auto row_of = [&](int count) {
     Mesh mesh;
-    for (int n = 0; n < count; ++n) {
-      Mesh one = mesh_of(1, 3 + 8 * n);
-      for (Triangle& t : one.triangles)
-        for (auto& v : t) v += static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
-      mesh.triangles.insert(mesh.triangles.end(), one.triangles.begin(), one.triangles.end());
-    }
+    for (int n = 0; n < count; ++n) append(mesh, mesh_of(1, 3 + 8 * n));
     return mesh;
   };
   EXPECT_EQ(needed(row_of(256)) - needed(mesh_of(256, -1000)), kChunk + 256 * kRef);
@@ -132,12 +119,10 @@ void take_all(const Mesh& mesh, const Grid& grid, double thickness, const Comput
 
 TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
   const Grid grid = cube(80, {-5, -5, -5}, 10);
-  for (const Mesh& mesh : {testing::random_soup(5, 2000, 4, 0.3), kTriangle})
+  for (const Mesh& mesh : {random_soup(5, 2000, 4, 0.3), kTriangle})
     for (const double thickness : {0.3, 2.0, kInfinity})
       for (const SignMethod method : {SignMethod::none, SignMethod::shell, SignMethod::normal}) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution = {.threads = 2, .backend = Backend::cpu};
-        options.sign.method = method;
+        ComputeOptions options{.sign = {.method = method}, .execution = {.threads = 2, .backend = Backend::cpu}};
         if (method == SignMethod::shell) options.sign.shell = 0.2;
         const std::int64_t needed = estimate(mesh, grid, thickness, options, 1).slabs;
         if (method == SignMethod::normal) {
@@ -152,14 +137,12 @@ TEST(Memory, SlabsTakeNoMoreThanWasSaid) {
 // Signs and nearest triangles take memory too. Slabs may have 32 MiB of crossings; a ball has far fewer.
 TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
   const Grid grid = cube(80, {-1.25, -1.25, -1.25}, 2.5);
-  const Mesh ball = testing::sphere(24);
+  const Mesh ball = sphere(24);
   for (const double thickness : {0.1, kInfinity})
     for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
       for (const bool nearest : {false, true}) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution = {.threads = 2, .backend = Backend::cpu};
-        options.sign.method = method;
-        options.nearest = nearest;
+        ComputeOptions options{
+            .sign = {.method = method}, .execution = {.threads = 2, .backend = Backend::cpu}, .nearest = nearest};
         const std::int64_t needed = estimate(ball, grid, thickness, options, 1).slabs;
         int slabs = 0;
         const std::int64_t taken = most_held([&] {
@@ -175,14 +158,13 @@ TEST(Memory, SlabsOfABallTakeNoMoreThanWasSaid) {
 // A wall along a whole column: with and without the file, only one slab is in memory, however many there are.
 // The tiles of all windows are held before the first one is put into the field.
 TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
-  const Mesh before = testing::random_soup(5, 400, 4, 0.1);
+  const Mesh before = random_soup(5, 400, 4, 0.1);
   Mesh after = before;
   for (std::size_t t = 0; t < 120; ++t) after.vertices[after.triangles[t][0]].x += 0.05;
   const Grid grid = cube(192, {-5, -5, -5}, 10);
   for (const bool nearest : {false, true}) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution = {.threads = 2, .backend = Backend::cpu};
-    options.nearest = nearest;
+    ComputeOptions options{
+        .sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}, .nearest = nearest};
     const std::vector<std::uint32_t> changed = changed_triangles(before, after);
     DistanceField field = compute(before, grid, 0.1, options).field;
     ComputeOptions limited = options;
@@ -204,7 +186,7 @@ TEST(Memory, UpdatesOfManyWindowsTakeNoMoreThanWasSaid) {
 
 // A set of triangles takes memory, a vertex that no triangle uses has none.
 TEST(Memory, SumsOfUnusedVertices) {
-  Mesh mesh = testing::box();
+  Mesh mesh = box();
   mesh.vertices.resize(100'000, {3, 3, 3});
   const std::int64_t taken = most_held([&] { EXPECT_TRUE(OutwardSums(mesh).surely_outwards()); });
   EXPECT_LE(taken, OutwardSums::bytes(12, 100'000) + kSmallThings);
@@ -216,9 +198,8 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
     const Grid grid{{128, 128, 16 * slabs}, {}, {1, 1, 1}};
     const double top = static_cast<double>(grid.size.z);
     const Mesh wall{{{20, 20, -9}, {100, 90, -9}, {20, 20, top}, {100, 90, top}}, {{0, 1, 2}, {1, 3, 2}}};
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution = {.threads = 1, .backend = Backend::cpu};
-    options.sign.method = SignMethod::winding;
+    ComputeOptions options{.sign = {.method = SignMethod::winding},
+                           .execution = {.threads = 1, .backend = Backend::cpu}};
     return most_held([&] {
       if (!written) return take_all(wall, grid, thickness, options);
       SlabComputation taken(wall, grid, thickness, options, 1);
@@ -235,9 +216,8 @@ TEST(Memory, DoesNotGrowWithTheNumberOfSlabs) {
 }
 
 TEST(Memory, WhatIsTooLargeMayFitInSlabs) {
-  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution = {.threads = 1, .backend = Backend::cpu};
+  const Mesh mesh = random_soup(5, 300, 4, 1);
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   const Grid grid = cube(160, {-5, -5, -5}, 10);
   options.memory_limit = estimate(mesh, grid, kInfinity, options, 1).slabs;
   EXPECT_LT(2 * options.memory_limit, estimate(mesh, grid, kInfinity, options).whole);
@@ -262,11 +242,9 @@ std::string refusal(const Mesh& mesh, const Grid& grid, double thickness, const 
 }
 
 TEST(Memory, WhatIsAdvisedHelps) {
-  const Mesh mesh = testing::random_soup(5, 300, 4, 1);
+  const Mesh mesh = random_soup(5, 300, 4, 1);
   for (const double thickness : {0.5, kInfinity}) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution.backend = Backend::cpu;
-    options.execution.threads = 1;
+    ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
     const Grid grid = cube(400, {-5, -5, -5}, 10);
     options.memory_limit = estimate(mesh, grid, thickness, options).whole * 9 / 10;
     const std::string told = refusal(mesh, grid, thickness, options);
@@ -280,9 +258,7 @@ TEST(Memory, WhatIsAdvisedHelps) {
 }
 
 TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   const Grid grid = cube(400, {-5, -5, -5}, 10);
   options.memory_limit = std::int64_t{32} << 20;  // less than the table of tiles and the lists of triangles
   const std::string thin = refusal(kTriangle, grid, 0.5, options);
@@ -294,7 +270,7 @@ TEST(Memory, NothingIsAdvisedThatDoesNotHelp) {
 }
 
 TEST(Memory, WhenThereIsNoneItIsALimitError) {
-  const Mesh mesh = testing::random_soup(5, 500, 4, 1);
+  const Mesh mesh = random_soup(5, 500, 4, 1);
   const Grid grid = cube(100, {-5, -5, -5}, 10);
   std::vector<float> values(static_cast<std::size_t>(grid.sample_count()));
   const auto expect_refused = [](std::int64_t bytes, const std::string& words, auto call) {
@@ -304,9 +280,7 @@ TEST(Memory, WhenThereIsNoneItIsALimitError) {
     };
     expect_error(limited, ErrorCode::limit, words);
   };
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 1;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = Backend::cpu}};
   for (const std::int64_t bytes : {10'000, 40'000}) {
     expect_refused(bytes, "not enough memory", [&] { compute(mesh, grid, 0.5, options); });
     expect_refused(bytes, "not enough memory", [&] { compute_into(mesh, grid, 0.5, values, options); });
@@ -332,4 +306,4 @@ TEST(Memory, ALimitAndWhatIsOverItLookDifferent) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

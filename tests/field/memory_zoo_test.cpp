@@ -13,12 +13,8 @@
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::kInfinity;
-using testing::Random;
 
 // All meshes are in [-1, 1]^3 or a little beyond.
 struct Kind {
@@ -55,10 +51,10 @@ Mesh fitted(Mesh mesh) {
 
 std::vector<Kind> zoo() {
   return {{"one triangle", {{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {{0, 1, 2}}}},
-          {"many as large as the grid", testing::random_soup(5, 40'000, 0.5, 1)},
+          {"many as large as the grid", random_soup(5, 40'000, 0.5, 1)},
           {"slivers", slivers(36'000)},
           {"points in one place", points(50'000)},
-          {"small ones", testing::random_soup(6, 20'000, 1, 0.05)},
+          {"small ones", random_soup(6, 20'000, 1, 0.05)},
           {"factory", fitted(scenes::make("factory", 60'000))}};
 }
 
@@ -72,7 +68,7 @@ constexpr std::int64_t kSmallThings = 64 << 10;
 
 void expect_enough(const Kind& kind, const Grid& grid, double thickness, const ComputeOptions& options) {
   const std::int64_t needed = estimate(kind.mesh, grid, thickness, options).whole;
-  const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
+  const std::int64_t taken = heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
   EXPECT_LE(taken, needed + kSmallThings)
       << kind.name << ", " << grid.size.x << "x" << grid.size.y << "x" << grid.size.z << ", thickness " << thickness
       << ", " << options.execution.threads << " threads, method " << static_cast<int>(options.method);
@@ -83,8 +79,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
     for (const Size3 size : {Size3{12, 12, 12}, Size3{40, 9, 2}, Size3{300, 1, 1}})
       for (const double samples : {2.0, 8.0, kInfinity}) {
         const Grid grid = grid_of(size);
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution.backend = Backend::cpu;
+        ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
         for (const int threads : {1, 2, 5, 8}) {
           options.execution.threads = threads;
           expect_enough(kind, grid, samples * grid.spacing.x, options);
@@ -95,8 +90,7 @@ TEST(MemoryOfTheZoo, NoComputationTakesMoreThanWasSaid) {
 TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
   for (const Kind& kind : zoo()) {
     const Grid grid = grid_of({12, 12, 12});
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.execution.backend = Backend::cpu;
+    ComputeOptions options{.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}};
     for (const int threads : {1, 2, 4, 8}) {
       options.execution.threads = threads;
       options.method = Method::thesis;
@@ -115,12 +109,10 @@ TEST(MemoryOfTheZoo, ASignedBandIsNotPredictedToTakeSeveralTimesWhatItTakes) {
   for (const char* scene : {"sphere", "catapult"}) {
     const Kind kind{scene, fitted(scenes::make(scene, 20'000))};
     const Grid grid = grid_of({100, 100, 100});
-    ComputeOptions options;
-    options.execution.backend = Backend::cpu;
-    options.execution.threads = 2;
+    ComputeOptions options{.execution = {.threads = 2, .backend = Backend::cpu}};
     const double thickness = 2 * grid.spacing.x;
     expect_enough(kind, grid, thickness, options);
-    const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
+    const std::int64_t taken = heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
     EXPECT_LE(estimate(kind.mesh, grid, thickness, options).whole, 3 * taken) << scene;
   }
 }
@@ -128,20 +120,18 @@ TEST(MemoryOfTheZoo, ASignedBandIsNotPredictedToTakeSeveralTimesWhatItTakes) {
 // The memory beside the output must not grow with the number of candidates: 60,000 triangles as large as a full field's
 // grid once had 35 MiB of lists that were not counted.
 TEST(MemoryOfTheZoo, ALimitHoldsForManyLargeTriangles) {
-  const Mesh mesh = testing::random_soup(5, 60'000, 0.5, 1);
+  const Mesh mesh = random_soup(5, 60'000, 0.5, 1);
   const Grid grid = grid_of({20, 20, 20});
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = 2;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 2, .backend = Backend::cpu}};
   options.memory_limit = estimate(mesh, grid, kFullField, options).whole;
-  const testing::heap::Limit hard(options.memory_limit + kSmallThings);
+  const heap::Limit hard(options.memory_limit + kSmallThings);
   EXPECT_GT(compute(mesh, grid, kFullField, options).report.samples_band, 0);
 }
 
 // If candidates are too many for a list, they come in parts. A field is the minimum of the fields of the mesh's parts,
 // bit for bit, so the fields of small parts, which need one list each, must give the same.
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
-  const ComputeResult whole = testing::computed(mesh, grid, kInfinity);
+  const ComputeResult whole = computed(mesh, grid, kInfinity);
   std::vector<float> least(static_cast<std::size_t>(grid.sample_count()), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(least.size(), kNoTriangle);
   const std::size_t count = mesh.triangles.size(), parts = static_cast<std::size_t>(part_count);
@@ -150,29 +140,29 @@ void expect_least_of_parts(const Mesh& mesh, const Grid& grid, int part_count) {
     const MeshView some{mesh.vertices, std::span(mesh.triangles).subspan(first, end - first)};
     const ComputeResult computed = testing::computed(some, grid, kInfinity);
     const std::vector<float> values = computed.field.to_dense();
-    const std::vector<std::uint32_t> its_nearest = testing::all_nearest(computed.field);
+    const std::vector<std::uint32_t> its_nearest = all_nearest(computed.field);
     for (std::size_t n = 0; n < least.size(); ++n)
       if (values[n] < least[n]) {
         least[n] = values[n];
         nearest[n] = static_cast<std::uint32_t>(first) + its_nearest[n];
       }
   }
-  EXPECT_EQ(testing::bits_of(whole.field.to_dense()), testing::bits_of(least));
+  EXPECT_EQ(bits_of(whole.field.to_dense()), bits_of(least));
   // Distances that are equal after the square root may differ before it: then the nearest triangle may be in another
   // part.
-  const std::vector<std::uint32_t> all = testing::all_nearest(whole.field);
+  const std::vector<std::uint32_t> all = all_nearest(whole.field);
   std::size_t different = 0;
   for (std::size_t n = 0; n < all.size(); ++n) different += all[n] != nearest[n];
   EXPECT_LE(different, all.size() / 100);
 }
 
 TEST(ManyCandidates, LargeTrianglesInParts) {
-  expect_least_of_parts(testing::random_soup(9, 120'000, 0.5, 2), grid_of({12, 12, 12}), 10);
+  expect_least_of_parts(random_soup(9, 120'000, 0.5, 2), grid_of({12, 12, 12}), 10);
 }
 
 TEST(ManyCandidates, SmallTrianglesOfOneCellInParts) {
-  expect_least_of_parts(testing::random_soup(9, 120'000, 0.3, 0.01), grid_of({6, 6, 6}), 10);
+  expect_least_of_parts(random_soup(9, 120'000, 0.3, 0.01), grid_of({6, 6, 6}), 10);
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

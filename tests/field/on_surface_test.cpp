@@ -86,15 +86,13 @@ TEST(OnSurface, SamplesWithinFacesAcrossAnAxisHaveTheValueZero) {
     for (const double spacings : {2.0, 10.0, kInfinity}) {
       const double thickness = spacings * box.grid.max_spacing();
       for (const Simd simd : {Simd::portable, Simd::automatic}) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.execution = {.threads = 1, .simd = simd};
+        ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = 1, .simd = simd}};
         expect_zeros(box, thickness, options, name + ", unsigned");
         options.sign.method = SignMethod::winding;
         expect_zeros(box, thickness, options, name + ", signed");
       }
     }
-    ComputeOptions emulated{.sign = {SignMethod::none}};
-    emulated.execution = {.threads = 1, .backend = testing::kEmulated};
+    ComputeOptions emulated{.sign = {SignMethod::none}, .execution = {.threads = 1, .backend = testing::kEmulated}};
     expect_zeros(box, 2 * box.grid.max_spacing(), emulated, name + ", emulated");
   }
 }
@@ -150,9 +148,7 @@ TEST(OnSurface, SamplesOnAnyTriangleAreWithinThePromise) {
 // of the point in +z, then in +x.
 TEST(OnSurface, WhereTheValueIsNotZeroItsSideIsThatOfThePointBeyondInY) {
   const BoxOnGrid& box = kBoxes[1];
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = SignMethod::winding;
-  const DistanceField field = compute(box.mesh(), box.grid, kInfinity, options).field;
+  const DistanceField field = compute(box.mesh(), box.grid, kInfinity, {.sign = {.method = SignMethod::winding}}).field;
   int negative = 0, positive = 0;
   for_each_sample(box.grid, [&](auto i, auto j, auto k) {
     if (box.place(i, j, k) == BoxOnGrid::Place::off) return;

@@ -9,7 +9,6 @@
 #include "standoff/compute.h"
 #include "standoff/exposed.h"
 #include "standoff/verify.h"
-#include "tests/geometry/closest_point.h"
 #include "tests/sign/fine_box.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
@@ -23,10 +22,7 @@ constexpr SignOptions kAll{.method = SignMethod::winding, .as_oriented = true};
 constexpr SignOptions kOuter{.method = SignMethod::winding, .as_oriented = true, .outer = true};
 
 ComputeResult field_of(const Mesh& mesh, const Grid& grid, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign = sign;
-  options.nearest = true;
-  return compute(mesh, grid, thickness, options);
+  return compute(mesh, grid, thickness, {.sign = sign, .nearest = true});
 }
 
 Grid around(const Mesh& mesh, std::int64_t samples) {
@@ -175,8 +171,7 @@ TEST(Outer, VerifyFindsAFieldThatHasTheWall) {
 TEST(Outer, GoesWithSkipRulesDenseFieldsAndOrientation) {
   const Mesh hull = moved(sphere(12), {}, 2), mesh = joined(sphere(5), hull);
   const Grid grid = around(mesh, 20);
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign = {.method = SignMethod::automatic, .outer = true};
+  ComputeOptions options{.sign = {.method = SignMethod::automatic, .outer = true}};
   const DistanceField turned = compute(reversed(mesh), grid, kFullField, options).field;
   EXPECT_EQ(turned.provenance().sign, "winding oriented outer");
   EXPECT_TRUE(verify(turned, reversed(mesh)).ok());

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "scenes/scenes.h"
-#include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff {
@@ -22,10 +21,7 @@ constexpr double kThickness = 0.1;
 Mesh small_mesh() { return testing::random_soup(401, 50, 1, 0.5); }
 
 ComputeOptions limited(std::int64_t bytes) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.memory_limit = bytes;
-  return options;
+  return {.sign = {SignMethod::none}, .execution = {.backend = Backend::cpu}, .memory_limit = bytes};
 }
 
 MeshScan look(const Mesh& mesh) {

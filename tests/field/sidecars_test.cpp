@@ -6,11 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "scenes/scenes.h"
 #include "standoff/compute.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"
@@ -24,11 +22,7 @@ constexpr std::array kAll{SidecarKind::closest_point, SidecarKind::barycentric, 
                           SidecarKind::gradient};
 
 ComputeOptions with_nearest(SignMethod sign = SignMethod::none) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.nearest = true;
-  options.sign.method = sign;
-  options.execution.backend = Backend::cpu;
-  return options;
+  return {.sign = {.method = sign}, .execution = {.backend = Backend::cpu}, .nearest = true};
 }
 
 // The sidecars of a sample.

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cstring>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "sign/decision.h"
 #include "standoff/windows.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
@@ -26,12 +26,6 @@ const Grid kGrid{{40, 33, 37}, {-1.3, -1.25, -1.2}, {0.066, 0.08, 0.07}};
 constexpr double kThickness = 0.16;
 using Bytes = std::vector<std::byte>;
 
-Mesh joined(Mesh mesh, const Mesh& other) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  return mesh;
-}
 Mesh turned(Mesh mesh, std::size_t every) {
   for (std::size_t t = 0; t < mesh.triangles.size(); t += every) std::swap(mesh.triangles[t][0], mesh.triangles[t][1]);
   return mesh;
@@ -43,8 +37,7 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  Mesh open = ball_mesh(1, 6);
-  open.triangles.erase(open.triangles.begin() + 40, open.triangles.begin() + 55);
+  Mesh open = with_hole(ball_mesh(1, 6), 40, 55);
   // Corners at -0 and +0 are one.
   for (Vec3& v : open.vertices)
     if (std::abs(v.x) < 1e-9) v.x = std::signbit(v.y) ? -0.0 : 0.0;
@@ -61,9 +54,7 @@ std::vector<Case> cases() {
 }
 
 ComputeOptions by(const SignOptions& sign) {
-  ComputeOptions options{.sign = sign};
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
+  return {.sign = sign, .execution = {.threads = 2, .backend = Backend::cpu}};
 }
 
 // The same decision, read by somebody else.

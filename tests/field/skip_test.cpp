@@ -14,13 +14,9 @@
 #include "tests/support/random_mesh.h"
 #include "thesis/thesis.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::add_triangle;
-using testing::kInfinity;
-using testing::nasty_soup;
-using testing::random_soup;
 using Kept = std::vector<std::uint32_t>;
 
 const Grid kSkipGrid{{17, 17, 17}, {-4, -4, -4}, {0.5, 0.5, 0.5}};
@@ -185,7 +181,7 @@ TEST(ExactRule, TellsZeroFromMinusZero) {
 }
 
 TEST(ExactRule, FindsEveryCopyInALargeMeshOnAnyNumberOfThreads) {
-  testing::Random random(6);
+  Random random(6);
   Mesh mesh = random_soup(6, 60000, 3.9, 0.1);
   std::set<std::uint32_t> copies;
   for (int n = 0; n < 30000; ++n) {
@@ -209,15 +205,12 @@ TEST(ExactRule, DifferentTrianglesOfOneHashStay) {
 }
 
 ComputeResult computed(MeshView mesh, double thickness, Method method, SkipRule::Kind rule) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.method = method;
-  options.nearest = true;
-  options.skip.kind = rule;
+  ComputeOptions options{.method = method, .skip = {.kind = rule}, .sign = {SignMethod::none}, .nearest = true};
   return compute(mesh, kSkipGrid, thickness, options);
 }
 
 TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {
-  testing::Random random(7);
+  Random random(7);
   for (unsigned seed = 0; seed < 6; ++seed) {
     Mesh mesh = seed % 2 == 0 ? nasty_soup(seed, 300, 8) : random_soup(seed, 300, 8, 0.7);
     for (int n = 0; n < 300; ++n) mesh.triangles.push_back(mesh.triangles[random.below(300)]);
@@ -228,7 +221,7 @@ TEST(ExactRule, ChangesNoBitOfTheFieldNorOfTheNearestTriangles) {
         const ComputeResult some = computed(mesh, thickness, method, SkipRule::Kind::exact);
         EXPECT_EQ(all.report.skipped, 0);
         EXPECT_GT(some.report.skipped, 250);
-        testing::expect_same_bits(some.field, all.field);
+        expect_same_bits(some.field, all.field);
       }
   }
 }
@@ -239,4 +232,4 @@ TEST(ExactRule, SaysHowMuchMemoryItNeeds) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "scenes/scenes.h"
 #include "standoff/io.h"
 #include "standoff/windows.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
@@ -26,18 +26,11 @@ namespace {
 const Grid kSlabsGrid{{37, 41, 77}, {-1.25, -1.3, -1.35}, {0.069, 0.065, 0.0351}};
 constexpr std::int64_t kOneLayer = 1;  // slabs of 16 slices, the thinnest
 
-Mesh open_ball() {
-  Mesh mesh = ball_mesh(1, 6);
-  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
-  return mesh;
-}
+Mesh open_ball() { return with_hole(ball_mesh(1, 6), 40, 55); }
 
 ComputeOptions by(SignMethod method, int threads = 2) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  if (method == SignMethod::shell) options.sign.shell = 0.2;
-  options.execution = {.threads = threads, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = method, .shell = method == SignMethod::shell ? 0.2 : 0},
+          .execution = {.threads = threads, .backend = Backend::cpu}};
 }
 
 // But for the samples that were examined: a triangle that reaches few bricks of a slab is not tested against each.
@@ -164,13 +157,7 @@ TEST(Slabs, SkipRulesAndTheUnionOfParts) {
   ComputeOptions options = by(SignMethod::winding);
   options.skip.kind = SkipRule::Kind::exact;
   EXPECT_EQ(expect_whole_field(ball_mesh(1, 6), kSlabsGrid, 0.15, options), 5);
-  Mesh two = ball_mesh(0.6, 5);
-  const Mesh other = ball_mesh(0.6, 5, {0.3, 0.3, 0.3});
-  for (const Triangle& t : other.triangles) {
-    const auto first = static_cast<std::uint32_t>(two.vertices.size());
-    two.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const Mesh two = joined(ball_mesh(0.6, 5), ball_mesh(0.6, 5, {0.3, 0.3, 0.3}));
   options = by(SignMethod::winding);
   options.sign.outer = true;
   EXPECT_EQ(expect_whole_field(two, kSlabsGrid, 0.15, options), 5);

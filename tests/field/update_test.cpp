@@ -15,6 +15,7 @@
 
 #include "standoff/testing/emulation.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
@@ -28,16 +29,9 @@ const Vec3 kFar{1000.1, -20000.3, 0.7};
 const Grid kUpdateGrid{{101, 93, 117}, kFar - Vec3{1.25, 1.3, 1.35}, {0.025, 0.028, 0.023}};
 constexpr double kThin = 0.06, kThick = 0.16;  // of 2 and 6 spacings
 
-Mesh at_grid(Mesh mesh) {
-  for (Vec3& v : mesh.vertices) v = v + kFar;
-  return mesh;
-}
+Mesh at_grid(const Mesh& mesh) { return moved(mesh, kFar); }
 Mesh ball() { return at_grid(welded_ball(1, 12)); }
-Mesh open_ball() {
-  Mesh mesh = ball();
-  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
-  return mesh;
-}
+Mesh open_ball() { return with_hole(ball(), 40, 55); }
 
 // Every tile alike: values, nearest triangles, marks.
 void expect_same(const DistanceField& updated, const DistanceField& anew) {
@@ -156,12 +150,7 @@ TEST(Update, PartsMove) {
   const Grid fine{{201, 209, 217}, kUpdateGrid.origin, {0.0125, 0.0125, 0.0125}};
   Mesh before = at_grid(welded_ball(0.45, 6, {-0.6, 0, 0}));
   const std::size_t moving = before.vertices.size();
-  const Mesh other = at_grid(welded_ball(0.3, 8, {0.7, 0.1, 0.2}));
-  for (const Triangle& t : other.triangles) {
-    const auto first = static_cast<std::uint32_t>(moving);
-    before.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  before.vertices.insert(before.vertices.end(), other.vertices.begin(), other.vertices.end());
+  append(before, at_grid(welded_ball(0.3, 8, {0.7, 0.1, 0.2})));
   for (const Vec3& by_that : {Vec3{0.05, 0.5, -0.6}, Vec3{0.9, 0, 0}, Vec3{30, 0, 0}, Vec3{0, -1e6, 0}}) {
     Mesh after = before;
     for (std::size_t v = 0; v < moving; ++v) after.vertices[v] = after.vertices[v] + by_that;
@@ -250,11 +239,7 @@ TEST(Update, TrianglesComeAndGo) {
     EXPECT_EQ(expect_update(before, fewer, kThin, update_options(method)).triangles_changed, 8);
     EXPECT_EQ(expect_update(fewer, before, kThin, update_options(method)).triangles_changed, 8);
     // A part that comes is closed of itself.
-    Mesh more = before;
-    const Mesh bit = at_grid(welded_ball(0.1, 2, {0.9, 0.9, 0.9}));
-    const auto first = static_cast<std::uint32_t>(more.vertices.size());
-    for (const Triangle& t : bit.triangles) more.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-    more.vertices.insert(more.vertices.end(), bit.vertices.begin(), bit.vertices.end());
+    const Mesh more = joined(before, at_grid(welded_ball(0.1, 2, {0.9, 0.9, 0.9})));
     EXPECT_FALSE(expect_update(before, more, kThin, update_options(method)).anew);
     EXPECT_FALSE(expect_update(more, before, kThin, update_options(method)).anew);
   }

@@ -9,25 +9,19 @@
 #include "standoff/verify.h"
 #include "tests/sign/solid_soup.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 // Half of the solids below are inside out, and stay so.
 const SignOptions kAsItIs{.method = SignMethod::winding, .as_oriented = true};
 const Grid kSignGrid{{18, 17, 19}, {-2.1, -2, -2.2}, {0.23, 0.24, 0.225}};
 
 DistanceField signed_field(const Mesh& mesh, const SignOptions& sign, double thickness = kFullField) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign = sign;
-  return compute(mesh, kSignGrid, thickness, options).field;
+  return compute(mesh, kSignGrid, thickness, {.sign = sign}).field;
 }
 
 VerifyResult verified(const DistanceField& field, const Mesh& mesh) {
-  VerifyOptions options;
-  options.samples = kSignGrid.sample_count();
-  return verify(field, mesh, options);
+  return verify(field, mesh, {.samples = kSignGrid.sample_count()});
 }
 
 // The field with values changed by change(value, index) and another provenance.
@@ -46,7 +40,7 @@ DistanceField renamed(const DistanceField& field, const std::string& sign) {
 }
 
 TEST(VerifySign, TrueSignsPass) {
-  const Mesh mesh = testing::solid_soup(1, 6);
+  const Mesh mesh = solid_soup(1, 6);
   for (const SignOptions& sign : {kAsItIs,
                                   {.method = SignMethod::winding},
                                   {.method = SignMethod::winding, .rule = WindingRule::nonzero},
@@ -64,7 +58,7 @@ TEST(VerifySign, TrueSignsPass) {
 
 // No two rules agree on these solids, so a field that names the wrong one fails.
 TEST(VerifySign, TheRuleIsTheFieldsOwn) {
-  const Mesh mesh = testing::solid_soup(1, 6);
+  const Mesh mesh = solid_soup(1, 6);
   const DistanceField field = signed_field(mesh, kAsItIs);
   EXPECT_EQ(verified(renamed(field, "winding"), mesh).sign.wrong, 0);
   for (const char* other : {"winding nonzero", "winding odd", "parity", "winding inverted"}) {
@@ -76,7 +70,7 @@ TEST(VerifySign, TheRuleIsTheFieldsOwn) {
 }
 
 TEST(VerifySign, EveryWrongSampleIsFound) {
-  const Mesh mesh = testing::solid_soup(2, 6);
+  const Mesh mesh = solid_soup(2, 6);
   const DistanceField field = signed_field(mesh, kAsItIs);
   const auto wrong_at = [&](auto is_wrong) {
     return verified(
@@ -101,7 +95,7 @@ TEST(VerifySign, EveryWrongSampleIsFound) {
 // Samples a unit in the last place off the faces of a box have a sign; samples on the faces have none.
 TEST(VerifySign, SamplesBesideTheSurface) {
   const double s = 0.7;
-  Mesh mesh = testing::mesh_of({{Vec3{0, 0, 0}, Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}}});
+  Mesh mesh = mesh_of({{Vec3{0, 0, 0}, Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}}});
   const double ulp = std::nextafter(0.25, 1.0) - 0.25;
   // Samples below, on and above z = 0; x and y are well inside.
   const Grid grid{{1, 1, 3}, {0.125, 0.125, -ulp}, {1, 1, ulp}};
@@ -122,7 +116,7 @@ TEST(VerifySign, SamplesBesideTheSurface) {
 
 // Half of a solid is missing: by definition, the sum of solid angles decides the sign.
 TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
-  Mesh mesh = testing::solid_soup(4, 5);
+  Mesh mesh = solid_soup(4, 5);
   mesh.triangles.erase(mesh.triangles.begin() + 3, mesh.triangles.begin() + 6);
   mesh.triangles.pop_back();
   const DistanceField plain = signed_field(mesh, {});
@@ -148,7 +142,7 @@ TEST(VerifySign, OpenMeshesByTheGeneralisedWindingNumber) {
 
 // The field of the right mesh, and a file of the mesh with one reversed face.
 TEST(VerifySign, MeshesThatWereOrientedFirst) {
-  const Mesh right = testing::solid_soup(9, 1);
+  const Mesh right = solid_soup(9, 1);
   Mesh mesh = right;
   std::swap(mesh.triangles[2][0], mesh.triangles[2][1]);
   const DistanceField field =
@@ -172,7 +166,7 @@ TEST(VerifySign, ThresholdsAreNotDecided) {
 }
 
 TEST(VerifySign, FloodIsCheckedBeyondTheMesh) {
-  const Mesh mesh = testing::solid_soup(5, 2);
+  const Mesh mesh = solid_soup(5, 2);
   const Box box = bounds(mesh);
   const DistanceField field = renamed(signed_field(mesh, kAsItIs), "flood");
   const VerifyResult right = verified(field, mesh);
@@ -212,7 +206,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
   EXPECT_TRUE(wrong_outside(verified(changed(plain, "normal inverted", below), sheet)));
   EXPECT_TRUE(wrong_outside(verified(renamed(plain, "normal"), sheet)));
 
-  const Mesh solid = testing::solid_soup(10, 1);
+  const Mesh solid = solid_soup(10, 1);
   const DistanceField field = signed_field(solid, {.method = SignMethod::winding});
   const bool is_turned = field.provenance().sign == "winding oriented";
   const VerifyResult same = verified(renamed(field, is_turned ? "normal oriented" : "normal"), solid);
@@ -222,7 +216,7 @@ TEST(VerifySign, NormalsByTheSideOfTheNearestTriangle) {
 }
 
 TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
-  const Mesh mesh = testing::solid_soup(6, 1);
+  const Mesh mesh = solid_soup(6, 1);
   const DistanceField plain = signed_field(mesh, {SignMethod::none}, 0.5);
   const auto shell = [&](const std::string& name, float by) {
     return verified(changed(plain, name, [by](float& value, std::size_t) { value = std::min(value - by, 0.4f); }),
@@ -243,7 +237,7 @@ TEST(VerifySign, ShellsAreDistancesLessHalfTheirThickness) {
 
 // verify confirms every field that compute makes of a mesh with holes, flipped faces and several solids.
 TEST(VerifySign, AllThatComputeMakes) {
-  Mesh broken = testing::solid_soup(11, 5);
+  Mesh broken = solid_soup(11, 5);
   broken.triangles.erase(broken.triangles.begin() + 9);
   std::swap(broken.triangles[4][0], broken.triangles[4][1]);
   broken.triangles.push_back(broken.triangles[6]);
@@ -255,10 +249,7 @@ TEST(VerifySign, AllThatComputeMakes) {
         SignOptions{.method = SignMethod::shell, .shell = 0.3},
         SignOptions{.method = SignMethod::shell, .invert = true, .shell = 0.05}})
     for (const double thickness : {0.1, kFullField}) {
-      ComputeOptions options{.sign = {SignMethod::none}};
-      options.sign = sign;
-      options.nearest = true;
-      const DistanceField field = compute(broken, kSignGrid, thickness, options).field;
+      const DistanceField field = compute(broken, kSignGrid, thickness, {.sign = sign, .nearest = true}).field;
       const VerifyResult found = verified(field, broken);
       EXPECT_TRUE(found.ok()) << found.sign.method << " within " << thickness << ": worst " << found.sign.worst.stored
                               << " at distance " << found.sign.worst.expected << ", " << found.samples_wrong
@@ -268,7 +259,7 @@ TEST(VerifySign, AllThatComputeMakes) {
 }
 
 TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
-  const Mesh mesh = testing::solid_soup(7, 3);
+  const Mesh mesh = solid_soup(7, 3);
   const DistanceField field = signed_field(mesh, kAsItIs);
   for (const char* name : {"", "by hand", "winding or so"}) {
     const VerifyResult found = verified(renamed(field, name), mesh);
@@ -282,7 +273,7 @@ TEST(VerifySign, WhatIsNotKnownIsNotJudged) {
 }
 
 TEST(VerifySign, TheSameForAnyNumberOfThreads) {
-  const Mesh mesh = testing::solid_soup(8, 6);
+  const Mesh mesh = solid_soup(8, 6);
   const DistanceField field = changed(signed_field(mesh, kAsItIs), "winding",
                                       [](float& value, std::size_t n) { value = n % 11 == 0 ? -value : value; });
   VerifyOptions one, two;
@@ -295,4 +286,4 @@ TEST(VerifySign, TheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -49,11 +49,7 @@ DistanceField field_of(const Mesh& mesh, double thickness) {
   return field_of(mesh, thickness, [](auto...) {});
 }
 
-VerifyOptions every_sample() {
-  VerifyOptions options;
-  options.samples = kVerifyGrid.sample_count();
-  return options;
-}
+VerifyOptions every_sample() { return {.samples = kVerifyGrid.sample_count()}; }
 
 TEST(TriangleGroups, SameAsBruteForce) {
   testing::Random random(3);
@@ -130,9 +126,7 @@ void expect_same(const SampleCheck& a, const SampleCheck& b) {
 TEST(Verify, SlicesAreTheField) {
   const Mesh mesh = random_soup(5, 60, 0.7, 0.4);
   Grid grid{{70, 40, 90}, {-1.5, -1.25, -1.75}, {0.04, 0.06, 0.04}};
-  ComputeOptions options;
-  options.nearest = true;
-  DistanceField field = compute(mesh, grid, 0.2, options).field;
+  DistanceField field = compute(mesh, grid, 0.2, {.nearest = true}).field;
   std::vector<Size3> tiles;
   for (const DistanceField::Tile& tile : field.tiles()) tiles.push_back(tile.at);
   for (const Size3& at : tiles)
@@ -243,11 +237,7 @@ TEST(Verify, SameSamplesForAnyThreadsOtherSamplesForAnotherSeed) {
   const Mesh mesh = random_soup(6, 40, 1, 0.4);
   const auto field = field_of(mesh, kUnlimited);
   const auto largest = [&](std::uint64_t seed, int threads) {
-    VerifyOptions options;
-    options.samples = 50;
-    options.seed = seed;
-    options.execution.threads = threads;
-    return verify(field, mesh, options).largest.position;
+    return verify(field, mesh, {.samples = 50, .seed = seed, .execution = {.threads = threads}}).largest.position;
   };
   EXPECT_EQ(largest(1, 1), largest(1, 2));
   EXPECT_NE(largest(1, 1), largest(2, 1));

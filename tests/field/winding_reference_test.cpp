@@ -7,13 +7,11 @@
 #include "scenes/scenes.h"
 #include "tests/sign/solid_soup.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Random;
-
-std::vector<testing::Tetrahedron> without_flat_ones(std::vector<testing::Tetrahedron> all) {
-  std::erase_if(all, [](const auto& t) { return testing::orientation(t[0], t[1], t[2], t[3]) == 0; });
+std::vector<Tetrahedron> without_flat_ones(std::vector<Tetrahedron> all) {
+  std::erase_if(all, [](const auto& t) { return orientation(t[0], t[1], t[2], t[3]) == 0; });
   return all;
 }
 
@@ -22,15 +20,15 @@ TEST(WindingReference, CrossingsAreExact) {
   std::int64_t inside = 0, on_surface = 0;
   for (unsigned seed = 0; seed < 30; ++seed) {
     Random random(seed);
-    const auto solids = without_flat_ones(testing::integer_tetrahedra(random, 8, 4));
-    const Mesh mesh = testing::mesh_of(solids);
+    const auto solids = without_flat_ones(integer_tetrahedra(random, 8, 4));
+    const Mesh mesh = mesh_of(solids);
     const TriangleGroups groups(mesh);
     for (int n = 0; n < 11 * 11 * 11; ++n) {
       const Vec3 p{double(n % 11 - 5), double(n / 11 % 11 - 5), double(n / 121 - 5)};
       bool on = false;
       std::int32_t winding = 0;
       for (const auto& solid : solids) {
-        const auto known = testing::known_winding({solid}, p);
+        const auto known = known_winding({solid}, p);
         on = on || known.on_surface;
         winding += known.winding;
       }
@@ -47,8 +45,8 @@ TEST(WindingReference, CrossingsAreExact) {
 
 TEST(WindingReference, PointsOnTrianglesWithoutArea) {
   Mesh mesh;
-  testing::add_triangle(mesh, {0, 0, 0}, {2, 4, 6}, {1, 2, 3});
-  testing::add_triangle(mesh, {9, 9, 9}, {9, 9, 9}, {9, 9, 9});
+  add_triangle(mesh, {0, 0, 0}, {2, 4, 6}, {1, 2, 3});
+  add_triangle(mesh, {9, 9, 9}, {9, 9, 9}, {9, 9, 9});
   const TriangleGroups groups(mesh);
   const auto on = [&](const Vec3& p) { return winding_by_crossings({mesh}, groups, p).on_surface; };
   EXPECT_TRUE(on({1.5, 3, 4.5}));
@@ -99,8 +97,8 @@ TEST(WindingReference, AnglesOfASquareInClosedForm) {
 }
 
 TEST(WindingReference, TrianglesAreUsedAsTheirOrientationSays) {
-  const testing::Tetrahedron t{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}, Vec3{0, 0, 4}};
-  const Mesh mesh = testing::mesh_of({t, t});
+  const Tetrahedron t{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}, Vec3{0, 0, 4}};
+  const Mesh mesh = mesh_of({t, t});
   const TriangleGroups groups(mesh);
   const auto both = [&](const std::vector<std::int8_t>& use) {
     const Vec3 p{0.5, 0.6, 0.7};
@@ -115,4 +113,4 @@ TEST(WindingReference, TrianglesAreUsedAsTheirOrientationSays) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

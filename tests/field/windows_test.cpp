@@ -13,6 +13,7 @@
 
 #include "standoff/sidecars.h"
 #include "tests/collision/bodies.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/sanitized.h"
@@ -24,17 +25,11 @@ namespace {
 const Vec3 kFar{1000.1, -20000.3, 0.7};
 const Grid kWindowsGrid{{53, 61, 77}, kFar - Vec3{1.25, 1.3, 1.35}, {0.049, 0.044, 0.0351}};
 
-Mesh moved(Mesh mesh) {
-  for (Vec3& v : mesh.vertices) v = v + kFar;
-  return mesh;
-}
-Mesh open_ball() {
-  Mesh mesh = ball_mesh(1, 6);
-  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 55);
-  return mesh;
-}
+Mesh at_grid(const Mesh& mesh) { return moved(mesh, kFar); }
+Mesh open_ball() { return with_hole(ball_mesh(1, 6), 40, 55); }
 std::vector<Mesh> meshes() {
-  return {moved(ball_mesh(1, 6)), moved(open_ball()), moved(random_soup(3, 200, 1, 0.3)), moved(nasty_soup(3, 60, 1))};
+  return {at_grid(ball_mesh(1, 6)), at_grid(open_ball()), at_grid(random_soup(3, 200, 1, 0.3)),
+          at_grid(nasty_soup(3, 60, 1))};
 }
 
 struct Part {
@@ -82,11 +77,8 @@ void expect_parts(const Mesh& mesh, double thickness, const ComputeOptions& opti
 }
 
 ComputeOptions by(SignMethod method) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  if (method == SignMethod::shell) options.sign.shell = 0.2;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
+  return {.sign = {.method = method, .shell = method == SignMethod::shell ? 0.2 : 0},
+          .execution = {.threads = 2, .backend = Backend::cpu}};
 }
 
 TEST(Windows, ThinThickAndFull) {
@@ -117,7 +109,7 @@ TEST(Windows, EverySign) {
 
 // Windows in which no triangle is, outside and inside, whose tiles are stored or not; row by row and in another order.
 TEST(Windows, OfOneSide) {
-  const Mesh ball = moved(ball_mesh(1, 6));
+  const Mesh ball = at_grid(ball_mesh(1, 6));
   const Grid grid{{96, 80, 64}, kFar - Vec3{1.7, 1.4, 1.1}, {0.035, 0.035, 0.035}};
   for (const double thickness : {0.05, 0.5, kFullField})
     for (const bool invert : {false, true}) {
@@ -140,18 +132,12 @@ TEST(Windows, EveryMethod) {
     SCOPED_TRACE(method.name);
     ComputeOptions options = by(SignMethod::winding);
     options.method = method.method;
-    expect_parts(moved(ball_mesh(1, 6)), 0.15, options);
+    expect_parts(at_grid(ball_mesh(1, 6)), 0.15, options);
   }
 }
 
 TEST(Windows, SkipRulesAndTheUnionOfParts) {
-  Mesh two = moved(ball_mesh(0.6, 5));
-  const Mesh other = moved(ball_mesh(0.6, 5, {0.3, 0.3, 0.3}));
-  for (const Triangle& t : other.triangles) {
-    const auto first = static_cast<std::uint32_t>(two.vertices.size());
-    two.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const Mesh two = at_grid(joined(ball_mesh(0.6, 5), ball_mesh(0.6, 5, {0.3, 0.3, 0.3})));
   for (const SkipRule::Kind kind : {SkipRule::Kind::exact, SkipRule::Kind::neighbour}) {
     ComputeOptions options = by(SignMethod::winding);
     options.skip.kind = kind;
@@ -162,7 +148,7 @@ TEST(Windows, SkipRulesAndTheUnionOfParts) {
 
 // Sidecars follow from the positions of samples, which a window has from the whole grid.
 TEST(Windows, TheirSidecars) {
-  const Mesh mesh = moved(open_ball());
+  const Mesh mesh = at_grid(open_ball());
   ComputeOptions options = by(SignMethod::winding);
   options.nearest = true;
   const DistanceField whole = compute(mesh, kWindowsGrid, 0.15, options).field;
@@ -202,7 +188,7 @@ TEST(Windows, TheirSidecars) {
 }
 
 TEST(Windows, OfNothingAreRefused) {
-  const Mesh mesh = moved(ball_mesh(1, 4));
+  const Mesh mesh = at_grid(ball_mesh(1, 4));
   WindowComputation windows(mesh, kWindowsGrid, 0.15, {32, 32, 32}, by(SignMethod::none));
   DistanceField field;
   windows.compute({0, 0, 0}, {16, 16, 16}, field);
@@ -222,7 +208,7 @@ TEST(Windows, OfNothingAreRefused) {
 
 // Signs of SignScope::window need no more than the window: a grid that is a window of another one is computed alone.
 TEST(Windows, AreGrids) {
-  const Mesh mesh = moved(ball_mesh(1, 6));
+  const Mesh mesh = at_grid(ball_mesh(1, 6));
   const DistanceField whole = compute(mesh, kWindowsGrid, 0.15, by(SignMethod::winding)).field;
   const Part part{{16, 32, 48}, {32, 29, 29}};
   const Grid grid = kWindowsGrid.window(part.first, part.size);
@@ -243,7 +229,7 @@ TEST(Windows, AreGrids) {
 
 // Grids of so many bricks, and so many rows, that their windows share neither bins of triangles nor crossings of rows.
 TEST(Windows, OfGridsThatAreMostlyEmpty) {
-  const Mesh closed = moved(ball_mesh(1, 6)), open = moved(open_ball());
+  const Mesh closed = at_grid(ball_mesh(1, 6)), open = at_grid(open_ball());
   for (const Size3& size : {Size3{40, 2200, 2200}, Size3{1200, 1100, 1200}}) {
     const Vec3 spacing{0.11, 0.05, 0.05};
     const Vec3 first{spacing.x * static_cast<double>(size.x / 2), spacing.y * static_cast<double>(size.y / 2),
@@ -269,7 +255,7 @@ TEST(Windows, OfGridsThatAreMostlyEmpty) {
 
 // A window costs the memory of a window.
 TEST(Windows, OfGridsLargerThanMemory) {
-  const Mesh mesh = moved(ball_mesh(1, 6));
+  const Mesh mesh = at_grid(ball_mesh(1, 6));
   const double h = 2.5 / 30000;
   const Grid grid{{30000, 30000, 30000}, kFar - Vec3{1.25, 1.25, 1.25}, {h, h, h}};
   ComputeOptions options = by(SignMethod::winding);

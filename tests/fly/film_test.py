@@ -12,8 +12,7 @@ import subprocess
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
-from viewing import MESH, expect, failures  # noqa: E402
+from viewing import MESH, expect, failures
 
 here = pathlib.Path.cwd()
 temporary = here / "tmp"

@@ -13,7 +13,6 @@
 #include <string_view>
 
 #include "tests/grammar/judge.h"
-#include "tests/grammar/traps.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {

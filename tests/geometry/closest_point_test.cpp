@@ -14,10 +14,9 @@
 #include "standoff/vec.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Random;
 using Point = Triple<double>;
 
 Point point(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -150,4 +149,4 @@ TEST(ClosestPoint, AnEdgesDistanceIsTheSameInEveryOrderOfCorners) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -12,11 +12,8 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
-using testing::reference_distance;
 
 template <class F>
 Triple<F> rounded_point(Vec3 v) {
@@ -157,4 +154,4 @@ TEST(TriangleLines, AreExactNearTheReferenceHoweverLargeTheTriangle) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "tests/grammar/hostile.h"
-#include "tests/grammar/placed.h"
 #include "tests/grammar/shape.h"
+#include "tests/grammar/transform.h"
 #include "tests/grammar/xml.h"
 
 namespace standoff::grammar {

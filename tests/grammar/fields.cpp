@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/grammar/field.h"
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"

@@ -15,8 +15,8 @@
 #include <string>
 
 #include "standoff/io.h"
+#include "tests/grammar/judge.h"
 #include "tests/grammar/run.h"
-#include "tests/grammar/traps.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds what a reader says of a file against what is known of it.
+// The folder in which files lie when they are read, and what a reader says of one held against what is known of it.
 #pragma once
 
 #include <filesystem>
@@ -22,5 +22,11 @@ Verdict judge(const Grammar& grammar, const File& file, bool good, const std::fi
 
 /// What fills the file that no other one may lead to (kOutside), so that its bytes are known in a mesh.
 inline constexpr char kOutsideByte = 0x7a;
+
+/// Makes beside the files to come what they may refer to and no reader may open: file.h. Errors: filesystem_error.
+void set_traps(const std::filesystem::path& folder);
+
+/// Writes the file, and those beside it, into the folder; returns its path.
+std::filesystem::path put(const Grammar& grammar, const File& file, const std::filesystem::path& folder);
 
 }  // namespace standoff::grammar

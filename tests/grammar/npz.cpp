@@ -2,10 +2,9 @@
 // NPZ: arrays of NumPy in a zip archive.
 #include <cmath>
 
-#include "tests/grammar/field.h"
 #include "tests/grammar/hostile.h"
-#include "tests/grammar/npy.h"
-#include "tests/grammar/zip.h"
+#include "tests/grammar/packed.h"
+#include "tests/grammar/shape.h"
 
 namespace standoff::grammar {
 namespace {

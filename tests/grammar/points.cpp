@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/grammar/hostile.h"
-#include "tests/grammar/npy.h"
+#include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"
 
 namespace standoff::grammar {

@@ -13,12 +13,10 @@
 #include <chrono>
 #include <cstring>
 #include <new>
-#include <stdexcept>
 #include <system_error>
 
 #include "tests/grammar/judge.h"
 #include "tests/grammar/memory.h"
-#include "tests/grammar/traps.h"
 
 namespace standoff::grammar {
 namespace {

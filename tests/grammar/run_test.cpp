@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-#include "tests/grammar/traps.h"
+#include "tests/grammar/judge.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff::grammar {

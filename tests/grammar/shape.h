@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small meshes for grammars to write.
+// Small meshes and fields for grammars to write.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "tests/grammar/file.h"
@@ -27,5 +28,10 @@ void add_triangles(const Shape& shape, std::vector<Corners>& to);
 
 /// A coordinate: of a lattice, so that points meet, or any.
 float make_coordinate(Choices& c, bool extreme);
+
+/// A grid of up to some thousand samples, a thickness, values up to it, sometimes nearest triangles.
+Truth make_field(Choices& c, bool may_have_nearest);
+/// Shortest decimals of a double; at a trick something else.
+std::string real64(Choices& c, double value);
 
 }  // namespace standoff::grammar

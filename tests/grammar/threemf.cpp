@@ -3,10 +3,10 @@
 #include <iterator>
 
 #include "tests/grammar/hostile.h"
-#include "tests/grammar/placed.h"
+#include "tests/grammar/packed.h"
 #include "tests/grammar/shape.h"
+#include "tests/grammar/transform.h"
 #include "tests/grammar/xml.h"
-#include "tests/grammar/zip.h"
 
 namespace standoff::grammar {
 namespace {

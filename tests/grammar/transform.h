@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Placements of nodes, in double precision.
+// Placements of nodes, in double precision, and triangles where they place them.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "standoff/vec.h"
+#include "tests/grammar/file.h"
 
 namespace standoff::grammar {
 
@@ -78,6 +79,23 @@ inline Transform rotation(double x, double y, double z, double w) {
 inline Transform rotation_about(const Vec3& axis, double angle_rad) {
   const double s = std::sin(angle_rad / 2);
   return rotation(axis.x * s, axis.y * s, axis.z * s, std::cos(angle_rad / 2));
+}
+
+enum class Mirrored {
+  as_it_is,     ///< what a mirror turns inside out stays so
+  turned_back,  ///< its corners go the other way round
+};
+
+/// Adds the triangles of `part` at their place.
+inline void add_placed(const Truth& part, const Transform& to, Mirrored mirrored, Truth& all) {
+  double most = 0, slack = 0;
+  for (const Corners& corners : part.triangles)
+    for (const Vec3& p : corners) most = std::max({most, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const double s : part.slack) slack = std::max(slack, s);
+  const std::size_t second = mirrored == Mirrored::turned_back && to.mirrors() ? 2 : 1;
+  for (const Corners& corners : part.triangles)
+    all.triangles.push_back({to(corners[0]), to(corners[second]), to(corners[3 - second])});
+  all.slack.resize(all.triangles.size(), to.slack(most, slack));
 }
 
 }  // namespace standoff::grammar

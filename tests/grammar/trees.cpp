@@ -4,12 +4,24 @@
 #include <array>
 #include <cmath>
 
-#include "tests/grammar/field.h"
 #include "tests/grammar/hostile.h"
 #include "tests/grammar/packed.h"
-#include "tests/grammar/trees.h"
+#include "tests/grammar/shape.h"
 
 namespace standoff::grammar {
+namespace {
+
+/// A field of less than 128 samples a side: leaves of one node.
+struct TreeField {
+  struct Leaf {
+    std::size_t place;  ///< in its node, z fastest
+    std::array<float, 512> values;
+    std::array<bool, 512> active;
+  };
+  Truth truth;
+  float background = 0;
+  std::vector<Leaf> leaves;  ///< in the order of their places
+};
 
 TreeField make_tree_field(Choices& c) {
   TreeField tree;
@@ -38,8 +50,6 @@ TreeField make_tree_field(Choices& c) {
       }
   return tree;
 }
-
-namespace {
 
 std::string text(Choices& c, const std::string& words) {
   return raw(stored(c, static_cast<std::uint32_t>(words.size()))) + words;

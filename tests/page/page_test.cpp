@@ -11,7 +11,6 @@
 #include "page/page.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
-#include "standoff/error.h"
 
 namespace standoff {
 namespace {
@@ -87,8 +86,7 @@ double value_of(const page::CodedField& field, std::int64_t i, std::int64_t j, s
 TEST(Page, FieldIsTheSameWithinAStep) {
   const Mesh mesh = scenes::make("bender");
   for (const double thickness : {kInfinity, 0.07}) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.sign.method = SignMethod::automatic;
+    ComputeOptions options{.sign = {.method = SignMethod::automatic}};
     const DistanceField field = compute(mesh, fit_resolution(bounds(mesh), 45, thickness), thickness, options).field;
     const page::CodedField held = page::coded_field(field, {});
     ASSERT_EQ(held.grid, field.grid());

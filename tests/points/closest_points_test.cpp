@@ -5,21 +5,11 @@
 
 #include <cmath>
 
-#include "standoff/compute.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach) {
-  Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(random.in_cube(reach));
-  return points;
-}
 
 // Compares with brute force over all triangles, by another formula; then checks that the members agree.
 void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size) {
@@ -29,7 +19,7 @@ void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size)
   for (std::size_t n = 0; n < points.size(); ++n) {
     const ClosestPoint& it = found[n];
     ASSERT_LT(it.triangle, mesh.triangles.size());
-    EXPECT_NEAR(it.distance, testing::reference_distance(mesh, points[n]), rounding);
+    EXPECT_NEAR(it.distance, reference_distance(mesh, points[n]), rounding);
     EXPECT_NEAR(length(it.point - points[n]), it.distance, rounding);
     Vec3 weighed;
     double sum = 0;
@@ -45,11 +35,11 @@ void expect_closest(const Mesh& mesh, std::span<const Vec3> points, double size)
 }
 
 TEST(ClosestPoints, OfASoupAreThoseOfBruteForce) {
-  expect_closest(testing::random_soup(11, 500, 4, 1), points_around(1, 300, 8), 8);
+  expect_closest(random_soup(11, 500, 4, 1), points_around(1, 300, 8), 8);
 }
 
 TEST(ClosestPoints, FarFromTheOrigin) {
-  Mesh mesh = testing::random_soup(12, 100, 4, 1);
+  Mesh mesh = random_soup(12, 100, 4, 1);
   const Vec3 at{1e6, -2e6, 3e5};
   for (Vec3& v : mesh.vertices) v = v + at;
   std::vector<Vec3> points = points_around(2, 100, 6);
@@ -79,14 +69,14 @@ TEST(ClosestPoints, FaceSideAndCorner) {
 
 // Every triangle occurs twice, the copies in another order.
 TEST(ClosestPoints, OfEquallyNearTrianglesTheLowest) {
-  Mesh mesh = testing::random_soup(13, 200, 4, 1);
+  Mesh mesh = random_soup(13, 200, 4, 1);
   const std::vector<Triangle> once = mesh.triangles;
   mesh.triangles.insert(mesh.triangles.end(), once.rbegin(), once.rend());
   for (const ClosestPoint& it : closest_points(mesh, points_around(4, 200, 6))) EXPECT_LT(it.triangle, once.size());
 }
 
 TEST(ClosestPoints, AreTheSameForAnyNumberOfThreads) {
-  const Mesh mesh = testing::random_soup(14, 300, 4, 1);
+  const Mesh mesh = random_soup(14, 300, 4, 1);
   const std::vector<Vec3> points = points_around(5, 500, 6);
   const auto one = closest_points(mesh, points, {.execution = {.threads = 1}}),
              many = closest_points(mesh, points, {.execution = {.threads = 7}});
@@ -98,7 +88,7 @@ TEST(ClosestPoints, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(ClosestPoints, NoneForNoPoints) { EXPECT_TRUE(closest_points(testing::random_soup(15, 3, 1, 1), {}).empty()); }
+TEST(ClosestPoints, NoneForNoPoints) { EXPECT_TRUE(closest_points(random_soup(15, 3, 1, 1), {}).empty()); }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

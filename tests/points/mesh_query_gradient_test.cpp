@@ -7,10 +7,8 @@
 #include "tests/sign/shapes.h"
 #include "tests/support/expect_error.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::box;
 
 std::vector<ClosestPoint> ask(const MeshQuery& query, std::span<const Vec3> points) {
   std::vector<ClosestPoint> found(points.size());
@@ -44,7 +42,7 @@ void expect_near(Vec3 found, Vec3 expected, double error) {
 // Compares away from creases, where the quotients of both sides agree.
 void expect_slopes(const MeshQuery& query, double reach, unsigned seed) {
   constexpr double kStep = 1e-5;
-  testing::Random random(seed);
+  Random random(seed);
   int compared = 0;
   for (int n = 0; n < 400; ++n) {
     const Vec3 p = random.in_cube(reach), at = gradient(query, p);
@@ -67,12 +65,12 @@ void expect_slopes(const MeshQuery& query, double reach, unsigned seed) {
 }
 
 TEST(MeshQueryGradient, IsTheSlopeOfTheDistance) {
-  const Mesh solid = testing::joined(box({-2, -2, -2}, {0.5, 1, 1}), box({-0.3, -0.2, -0.1}, {2, 2, 2}));
+  const Mesh solid = joined(box({-2, -2, -2}, {0.5, 1, 1}), box({-0.3, -0.2, -0.1}, {2, 2, 2}));
   for (const SignMethod method : {SignMethod::none, SignMethod::winding, SignMethod::parity})
     expect_slopes(query_by(solid, method), 3, 1);
   expect_slopes(query_by(solid, SignMethod::winding, true), 3, 2);
-  expect_slopes(query_by(testing::torus(), SignMethod::normal), 1.5, 3);
-  expect_slopes(query_by(testing::terrain(), SignMethod::none), 1.5, 4);
+  expect_slopes(query_by(torus(), SignMethod::normal), 1.5, 3);
+  expect_slopes(query_by(terrain(), SignMethod::none), 1.5, 4);
 }
 
 // Beyond half of the thickness a shell's distance is positive, and it grows away from the sheet.
@@ -87,7 +85,7 @@ TEST(MeshQueryGradient, OfAShell) {
 }
 
 TEST(MeshQueryGradient, OnTheSurfaceIsTheOutwardNormal) {
-  const Mesh sphere = box({0, 0, 0}, {4, 4, 4}), turned = testing::reversed(sphere);
+  const Mesh sphere = box({0, 0, 0}, {4, 4, 4}), turned = reversed(sphere);
   std::vector<Vec3> points;
   for (const double u : {0.0, 1.0, 4.0})
     for (const double v : {0.0, 2.0, 3.0})
@@ -111,9 +109,9 @@ TEST(MeshQueryGradient, OnTheSurfaceIsTheOutwardNormal) {
 // Points of tilted faces are off them by rounding, which gives no direction.
 TEST(MeshQueryGradient, OnTiltedFacesIsTheOutwardNormalToo) {
   for (const double far : {0.0, 1000.0}) {
-    const Mesh mesh = testing::moved(scenes::make("sphere", 100), {far, -far, far});
+    const Mesh mesh = moved(scenes::make("sphere", 100), {far, -far, far});
     const MeshQuery query = query_by(mesh, SignMethod::winding);
-    testing::Random random(5);
+    Random random(5);
     for (int n = 0; n < 2000; ++n) {
       const auto t = random.below(static_cast<std::uint32_t>(mesh.triangles.size()));
       const auto [a, b, c] = MeshView(mesh).corners(t);
@@ -127,7 +125,7 @@ TEST(MeshQueryGradient, OnTiltedFacesIsTheOutwardNormalToo) {
 TEST(MeshQueryGradient, OfTrianglesWithoutAreaIsAUnitVectorToo) {
   const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {5, 5, 5}}, {{0, 1, 2}, {3, 3, 3}, {0, 0, 1}}};
   for (const double size : {1e-100, 1e-9, 1.0, 1e100}) {
-    const Mesh scaled = testing::moved(mesh, {}, size);
+    const Mesh scaled = moved(mesh, {}, size);
     const MeshQuery query(scaled, {.sign = {SignMethod::none}});
     for (const Vec3& at : {Vec3{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {5, 5, 5}, {5, 5, 6}, {0.3, 1, 0}}) {
       const Vec3 found = gradient(query, at * size);
@@ -139,8 +137,7 @@ TEST(MeshQueryGradient, OfTrianglesWithoutAreaIsAUnitVectorToo) {
 
 TEST(MeshQueryGradient, WantsATriangleOfTheMesh) {
   const MeshQuery query(box(), {.sign = {SignMethod::none}});
-  ClosestPoint at;
-  at.triangle = 11;
+  ClosestPoint at{.triangle = 11};
   EXPECT_NO_THROW(query.gradient({}, at));
   at.triangle = 12;
   expect_error([&] { query.gradient({}, at); }, ErrorCode::usage, "12");
@@ -148,4 +145,4 @@ TEST(MeshQueryGradient, WantsATriangleOfTheMesh) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

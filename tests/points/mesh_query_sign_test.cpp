@@ -10,19 +10,8 @@
 #include "tests/support/expect_error.h"
 #include "tests/support/reference.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::box;
-using testing::joined;
-using testing::reversed;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 middle = {}) {
-  testing::Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(middle + random.in_cube(reach));
-  return points;
-}
 
 bool in(Vec3 p, double low, double high) { return std::min({p.x, p.y, p.z}) > low && std::max({p.x, p.y, p.z}) < high; }
 bool is_on(Vec3 p, double low, double high) {
@@ -112,7 +101,7 @@ TEST(MeshQuerySign, RoundSolids) {
       expect_sides(MeshQuery(mesh, {.sign = by(method)}), points, [&](Vec3 p) { return height(p) < 0; });
   };
   expect_round(scenes::make("sphere", 2000), 1.3, [](Vec3 p) { return length(p) - 1; });
-  expect_round(testing::torus(64, 32), 1.4, [](Vec3 p) { return std::hypot(std::hypot(p.y, p.z) - 1, p.x) - 0.3; });
+  expect_round(torus(64, 32), 1.4, [](Vec3 p) { return std::hypot(std::hypot(p.y, p.z) - 1, p.x) - 0.3; });
 }
 
 TEST(MeshQuerySign, RulesOfNestedOverlappingAndReversedSolids) {
@@ -146,7 +135,7 @@ TEST(MeshQuerySign, SolidsInsideOutAreRepaired) {
   for (double& v : negative) v = -v;
   EXPECT_EQ(negative, expected);
   Mesh muddled = sphere;
-  for (std::size_t n = 0; n < muddled.triangles.size(); n += 3) muddled = testing::with_flipped(muddled, n);
+  for (std::size_t n = 0; n < muddled.triangles.size(); n += 3) muddled = with_flipped(muddled, n);
   expect_near(ask(MeshQuery(muddled, {.sign = by(SignMethod::winding)}), points), expected);
   expect_near(ask(MeshQuery(muddled, {.sign = by(SignMethod::parity)}), points), expected);
 }
@@ -165,7 +154,7 @@ TEST(MeshQuerySign, RaysThroughCornersAndEdges) {
 }
 
 Mesh full_of_holes(Mesh mesh, std::uint32_t one_of) {
-  testing::Random random(4);
+  Random random(4);
   std::erase_if(mesh.triangles, [&](const Triangle&) { return random.below(one_of) == 0; });
   return mesh;
 }
@@ -198,7 +187,7 @@ TEST(MeshQuerySign, DensePointsBesideOpenMeshes) {
 
 // Points far from a small hole, on rows through it: rays from anywhere may cross its cap.
 TEST(MeshQuerySign, SmallHolesFarAway) {
-  const Mesh whole = testing::sphere(24);
+  const Mesh whole = sphere(24);
   for (const Vec3 side : {Vec3{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}) {
     Mesh open = whole;
     std::erase_if(open.triangles, [&](const Triangle& t) {
@@ -289,7 +278,7 @@ TEST(MeshQuerySign, SheetsHaveNone) {
   expect_error([&] { MeshQuery(sheet, {.sign = by(SignMethod::flood)}); }, ErrorCode::usage, "grid");
   expect_error([&] { MeshQuery(sheet, {.sign = by(SignMethod::parity)}); }, ErrorCode::input, "parity");
   // A mesh that needs flooding has no sign here, and the report says so.
-  const MeshQuery bottle(testing::klein_bottle(), {.sign = by(SignMethod::automatic)});
+  const MeshQuery bottle(klein_bottle(), {.sign = by(SignMethod::automatic)});
   EXPECT_EQ(bottle.sign().method, SignMethod::none);
   EXPECT_NE(bottle.sign().why.find("grid"), std::string::npos) << bottle.sign().why;
 }
@@ -321,4 +310,4 @@ TEST(MeshQuerySign, TheSidesOfAGridsSamples) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

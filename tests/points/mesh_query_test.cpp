@@ -9,26 +9,13 @@
 #include "scenes/scenes.h"
 #include "simd/dispatch.h"
 #include "standoff/points.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 #include "tests/support/welded_ball.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
-
-std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 middle = {}) {
-  Random random(seed);
-  std::vector<Vec3> points;
-  for (int n = 0; n < count; ++n) points.push_back(middle + random.in_cube(reach));
-  return points;
-}
-
-Mesh moved(Mesh mesh, Vec3 by, double scale = 1) {
-  for (Vec3& v : mesh.vertices) v = v * scale + by;
-  return mesh;
-}
 
 // The extent of a point and the box of a mesh together.
 double extent_of(const Box& box, Vec3 p) { return std::max(max_norm(box.min - p), max_norm(box.max - p)); }
@@ -101,7 +88,7 @@ void expect_exact(const Mesh& mesh, std::span<const Vec3> points, double share =
     const double rounding = share * (extent + max_norm(points[n]));
     expect_consistent(mesh, points[n], found[n], rounding > 0 ? rounding : 1);
     if (n >= few || rounding > 1e120) continue;  // there the other measure overflows
-    EXPECT_NEAR(found[n].distance, testing::reference_distance(mesh, points[n]), rounding);
+    EXPECT_NEAR(found[n].distance, reference_distance(mesh, points[n]), rounding);
   }
 }
 
@@ -120,7 +107,7 @@ TEST(MeshQuery, OneTriangleAndMeshesWithoutArea) {
   const Mesh point{{{1, 2, 3}}, {{0, 0, 0}}};
   const Mesh segment{{{-1, 0, 0}, {1, 2, 0}}, {{0, 1, 1}, {0, 0, 1}, {1, 0, 1}}};
   const Mesh flat = [] {
-    Mesh soup = testing::random_soup(21, 300, 4, 1);
+    Mesh soup = random_soup(21, 300, 4, 1);
     for (Vec3& v : soup.vertices) v.z = 2;
     return soup;
   }();
@@ -136,22 +123,21 @@ TEST(MeshQuery, SoupsOfManySizes) {
     for (const double side : {0.05, 1.0, 4.0})
       for (const int count : {1, 3, 64, 65}) {
         SCOPED_TRACE(::testing::Message() << triangles << " triangles of side " << side);
-        expect_exact(testing::random_soup(22, triangles, 4, side), points_around(2, count, 5), 1e-13, 10);
+        expect_exact(random_soup(22, triangles, 4, side), points_around(2, count, 5), 1e-13, 10);
       }
 }
 
 // Groups of points share candidates.
 TEST(MeshQuery, ManyPointsOnFewTriangles) {
-  for (const int triangles : {3, 40, 400})
-    expect_exact(testing::random_soup(23, triangles, 4, 1), points_around(3, 5000, 4.5));
+  for (const int triangles : {3, 40, 400}) expect_exact(random_soup(23, triangles, 4, 1), points_around(3, 5000, 4.5));
 }
 
 // Points are answered one by one.
 TEST(MeshQuery, FewPointsOnManyTriangles) {
   for (const double side : {0.03, 0.5})
-    expect_exact(testing::random_soup(24, 9000, 4, side), points_around(4, 600, 4.5), 1e-13, 10);
+    expect_exact(random_soup(24, 9000, 4, side), points_around(4, 600, 4.5), 1e-13, 10);
   // Two crowds of points, each with many triangles; and all of them at a single place.
-  const Mesh mesh = testing::random_soup(24, 9000, 4, 0.1);
+  const Mesh mesh = random_soup(24, 9000, 4, 0.1);
   std::vector<Vec3> points = points_around(5, 80, 0.2, {3, 3, 3});
   std::ranges::copy(points_around(6, 80, 0.2, {-3, -3, -3}), std::back_inserter(points));
   expect_exact(mesh, points, 1e-13, 10);
@@ -168,10 +154,10 @@ TEST(MeshQuery, NeedlesAcrossWalls) {
     const Vec3 at = random.in_cube(40);
     const Vec3 along = random.in_cube(1) * 8.0;
     const Vec3 side = cross(along, random.in_cube(1)), up = cross(side, along) * (1 / length(along));
-    testing::add_triangle(mesh, at, at + along * 2.0, at + along);
+    add_triangle(mesh, at, at + along * 2.0, at + along);
     for (int n = 0; n < 15; ++n)
-      testing::add_triangle(mesh, at, at + side * random.between(0.1, 0.6) + up * random.between(-0.2, 0.2),
-                            at + up * random.between(0.1, 0.6));
+      add_triangle(mesh, at, at + side * random.between(0.1, 0.6) + up * random.between(-0.2, 0.2),
+                   at + up * random.between(0.1, 0.6));
   }
   expect_exact(mesh, points_around(32, 500, 50), 1e-13, 10);
 }
@@ -179,7 +165,7 @@ TEST(MeshQuery, NeedlesAcrossWalls) {
 // Corners on a coarse lattice, copies, segments, points: many triangles are equally near.
 TEST(MeshQuery, TiesOfTrianglesThatTouchAndCoincide) {
   for (const int triangles : {30, 600}) {
-    const Mesh mesh = testing::nasty_soup(25, triangles, 5);
+    const Mesh mesh = nasty_soup(25, triangles, 5);
     expect_exact(mesh, points_on(mesh));
     std::vector<Vec3> points;
     for (int k = -7; k <= 7; ++k)
@@ -209,7 +195,7 @@ TEST(MeshQuery, Scenes) {
 }
 
 TEST(MeshQuery, FarFromTheOrigin) {
-  const Mesh soup = testing::random_soup(26, 300, 4, 1);
+  const Mesh soup = random_soup(26, 300, 4, 1);
   for (const double far : {1e6, 1e12}) {
     const Vec3 at{far, -2 * far, far / 3};
     const Mesh mesh = moved(soup, at);
@@ -220,7 +206,7 @@ TEST(MeshQuery, FarFromTheOrigin) {
 
 TEST(MeshQuery, TinyAndHuge) {
   for (const double size : {1e-100, 1e140}) {
-    const Mesh mesh = moved(testing::random_soup(27, 300, 4, 1), {}, size);
+    const Mesh mesh = moved(random_soup(27, 300, 4, 1), {}, size);
     std::vector<Vec3> points = points_around(9, 500, 6);
     for (Vec3& p : points) p = p * size;
     expect_exact(mesh, points);
@@ -230,7 +216,7 @@ TEST(MeshQuery, TinyAndHuge) {
 
 // Points from just beyond the mesh to coordinates whose squares would overflow without care.
 TEST(MeshQuery, PointsFarAway) {
-  const Mesh mesh = testing::random_soup(28, 300, 4, 1);
+  const Mesh mesh = random_soup(28, 300, 4, 1);
   std::vector<Vec3> points;
   Random random(10);
   // Frames in float give way to double at 1024 half sides.
@@ -242,7 +228,7 @@ TEST(MeshQuery, PointsFarAway) {
   points.push_back({kMaxCoordinate, -kMaxCoordinate, kMaxCoordinate});
   expect_exact(mesh, points);
   // From far away many triangles of a ball are about as near as the nearest.
-  expect_exact(testing::welded_ball(4, 20), points);
+  expect_exact(welded_ball(4, 20), points);
   for (const double size : {1e-100, 1e-290}) expect_exact(moved(mesh, {}, size), points);
 }
 
@@ -259,7 +245,7 @@ void expect_same(std::span<const ClosestPoint> a, std::span<const ClosestPoint> 
 }
 
 TEST(MeshQuery, TheSameBitsForAnyBatchThreadsAndInstructionSet) {
-  const Mesh mesh = testing::crowd(29, 2000);
+  const Mesh mesh = crowd(29, 2000);
   std::vector<Vec3> points = points_around(11, 9000, 6);
   std::ranges::copy(points_on(mesh), std::back_inserter(points));
   points.push_back({1e9, 0, 0});
@@ -308,4 +294,4 @@ TEST(MeshQuery, TheLowestIndexAtSharedEdgesAndCorners) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

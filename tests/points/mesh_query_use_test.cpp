@@ -10,10 +10,8 @@
 #include "tests/sign/shapes.h"
 #include "tests/support/expect_error.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::box;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -86,7 +84,7 @@ TEST(MeshQueryUse, Meshes) {
 TEST(MeshQueryUse, IsCancelledByItsProgress) {
   const MeshQuery query = signed_query(box());
   std::vector<Vec3> points(20000);
-  testing::Random random(1);
+  Random random(1);
   for (Vec3& p : points) p = random.in_cube(2);
   for_each_question(
       query, points, points.size(), {}, [](const Progress&) { return false; },
@@ -135,7 +133,7 @@ TEST(MeshQueryUse, CopiesShareAndOutliveTheOriginal) {
 TEST(MeshQueryUse, ManyThreadsAskAtOnce) {
   const MeshQuery query = signed_query(scenes::make("sphere", 300));
   std::vector<Vec3> points(500);
-  testing::Random random(2);
+  Random random(2);
   for (Vec3& p : points) p = random.in_cube(2);
   std::vector<double> expected(points.size());
   query.distances(points, expected);
@@ -157,4 +155,4 @@ TEST(MeshQueryUse, SaysWhatItTakes) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

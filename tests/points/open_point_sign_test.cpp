@@ -14,10 +14,8 @@
 #include "tests/sign/shapes.h"
 #include "tests/support/reference.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 Mesh soup(unsigned seed, std::uint32_t triangles, double size) {
   Random random(seed);
@@ -38,7 +36,7 @@ Mesh with_holes(Mesh mesh, unsigned seed, std::uint32_t one_of) {
 
 // A half ball within another: the rims are two circles, one inside the other.
 Mesh nested_bowls() {
-  Mesh mesh = testing::joined(testing::sphere(12), testing::moved(testing::sphere(10), {0.1, 0, 0}, 0.6));
+  Mesh mesh = joined(sphere(12), moved(sphere(10), {0.1, 0, 0}, 0.6));
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     return std::ranges::any_of(t, [&](std::uint32_t v) { return mesh.vertices[v].z > 0.25; });
   });
@@ -47,8 +45,8 @@ Mesh nested_bowls() {
 
 // Sheets above each other, one of them twice: winding numbers exceed 1, and some edges count twice.
 Mesh sheets() {
-  const Mesh one = testing::terrain(8), above = testing::moved(one, {0.05, 0.02, 0.2});
-  return testing::joined(testing::joined(one, above), above);
+  const Mesh one = terrain(8), above = moved(one, {0.05, 0.02, 0.2});
+  return joined(joined(one, above), above);
 }
 
 // A disc whose rim has corners in one place, corners in a row, and a needle.
@@ -129,13 +127,13 @@ struct Case {
 
 std::vector<Case> cases() {
   return {{"terrain", scenes::make("terrain", 500)},
-          {"terrain far from the origin", testing::moved(testing::terrain(12), {1e6, -3e7, 2e5})},
-          {"small terrain", testing::moved(testing::terrain(12), {}, 1e-20)},
-          {"sphere with holes", with_holes(testing::sphere(10), 4, 12)},
-          {"half a sphere's triangles", with_holes(testing::sphere(10), 5, 2)},
+          {"terrain far from the origin", moved(terrain(12), {1e6, -3e7, 2e5})},
+          {"small terrain", moved(terrain(12), {}, 1e-20)},
+          {"sphere with holes", with_holes(sphere(10), 4, 12)},
+          {"half a sphere's triangles", with_holes(sphere(10), 5, 2)},
           {"nested bowls", nested_bowls()},
           {"sheets", sheets()},
-          {"moebius", testing::moebius()},
+          {"moebius", moebius()},
           {"soup", soup(6, 80, 0.3)},
           {"sparse soup", soup(7, 20, 0.05)},
           {"one triangle", scenes::make("one_triangle")},
@@ -206,7 +204,7 @@ TEST(OpenPointSigns, FarPoints) {
 
 // Meshes with a hole in the plane z = 0. Its x and y are between 1 and 2, where sums with binary fractions are exact.
 Mesh box_without_lid() {
-  Mesh mesh = testing::box({1.125, 1.125, -0.75}, {1.875, 1.875, 0});
+  Mesh mesh = box({1.125, 1.125, -0.75}, {1.875, 1.875, 0});
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     return std::ranges::all_of(t, [&](auto v) { return mesh.vertices[v].z == 0; });
   });
@@ -214,7 +212,7 @@ Mesh box_without_lid() {
 }
 
 Mesh bowl() {
-  Mesh mesh = testing::moved(testing::sphere(20), {1.5, 1.5, 0}, 0.375);
+  Mesh mesh = moved(sphere(20), {1.5, 1.5, 0}, 0.375);
   for (Vec3& v : mesh.vertices)
     if (std::abs(v.z) < 1e-9) v.z = 0;
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
@@ -323,4 +321,4 @@ TEST(OpenPointSigns, RowsThroughCornersAndEdges) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -12,10 +12,8 @@
 #include "standoff/points.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 // Random points, and points with ties and rounding: on and near corners, middles of edges and faces; far away; and
 // beyond the range of boxes in float.
@@ -112,8 +110,8 @@ TEST(SmallCalls, HaveTheBitsOfLargeOnesAtScenes) {
 TEST(SmallCalls, HaveTheBitsOfLargeOnesAtSoups) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
-    expect_same_answers(testing::random_soup(seed, 3 + 90 * static_cast<int>(seed), 4, seed % 2 ? 0.3 : 3), seed);
-    expect_same_answers(testing::nasty_soup(seed, 20 + 60 * static_cast<int>(seed), 4), seed);
+    expect_same_answers(random_soup(seed, 3 + 90 * static_cast<int>(seed), 4, seed % 2 ? 0.3 : 3), seed);
+    expect_same_answers(nasty_soup(seed, 20 + 60 * static_cast<int>(seed), 4), seed);
   }
 }
 
@@ -160,7 +158,7 @@ TEST(SmallCalls, InACallback) {
 // For soups, the angles of all triangles are added up. Near faces, where the number jumps, it is the number of one
 // side; near edges it is found as for other open meshes.
 TEST(WindingNumbers, OfSoups) {
-  const Mesh mesh = testing::random_soup(5, 700, 4, 1.5);
+  const Mesh mesh = random_soup(5, 700, 4, 1.5);
   const MeshQuery query(mesh, {.sign = {.method = SignMethod::winding, .as_oriented = true}});
   ASSERT_EQ(query.sign().method, SignMethod::winding);
   Random random(6);
@@ -192,4 +190,4 @@ TEST(WindingNumbers, OfSoups) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

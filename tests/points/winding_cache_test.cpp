@@ -10,10 +10,8 @@
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 struct Case {
   const char* name;
@@ -27,9 +25,8 @@ Mesh octahedron() {
 }
 
 std::vector<Case> cases() {
-  return {{"a box within a box",
-           testing::joined(testing::box({-1, -1, -1}, {1, 1, 1}), testing::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.25}))},
-          {"ball", testing::sphere(10)},
+  return {{"a box within a box", joined(box({-1, -1, -1}, {1, 1, 1}), box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.25}))},
+          {"ball", sphere(10)},
           {"octahedron", octahedron()}};
 }
 
@@ -99,4 +96,4 @@ TEST(WindingCache, OnRow) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

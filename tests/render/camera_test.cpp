@@ -10,12 +10,7 @@ namespace standoff {
 namespace {
 
 PictureOptions from(double azimuth, double elevation, Axis up = Axis::z, bool perspective = true) {
-  PictureOptions options;
-  options.azimuth_deg = azimuth;
-  options.elevation_deg = elevation;
-  options.up = up;
-  options.perspective = perspective;
-  return options;
+  return {.azimuth_deg = azimuth, .elevation_deg = elevation, .perspective = perspective, .up = up};
 }
 
 float apart(Float3 a, Float3 b) { return length(a - b); }

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "render/image.h"
-#include "render/text.h"
 
 namespace standoff {
 namespace {

@@ -16,14 +16,8 @@ namespace standoff {
 namespace {
 
 PictureOptions small_picture(double azimuth = 35, double elevation = 25) {
-  PictureOptions options;
-  options.width = 96;
-  options.height = 64;
-  options.azimuth_deg = azimuth;
-  options.elevation_deg = elevation;
-  options.shadows = false;
-  options.up = Axis::z;
-  return options;
+  return {
+      .width = 96, .height = 64, .azimuth_deg = azimuth, .elevation_deg = elevation, .up = Axis::z, .shadows = false};
 }
 
 Mesh random_triangles(std::uint32_t seed) {
@@ -68,22 +62,17 @@ TEST(Picture, HasTheSizeAskedForAndAMargin) {
 TEST(Picture, ThreadsDoNotMatter) {
   const Mesh mesh = scenes::make("box", 12);
   const Grid grid = fit_resolution(bounds(mesh), 24);
-  ComputeOptions how{.sign = {SignMethod::none}};
-  how.sign.method = SignMethod::automatic;
+  ComputeOptions how{.sign = {.method = SignMethod::automatic}};
   const DistanceField field = compute(mesh, grid, 4 * grid.max_spacing(), how).field;
   const std::vector<Vec3> points(mesh.vertices);
   const Mesh wall = square(-2);
-  Drawing drawing;
-  drawing.meshes = {{.mesh = mesh, .edges = true}, {.mesh = wall, .opacity = 0.4}};
-  drawing.slices = {{.field = &field}};
-  drawing.bands = {{.field = &field, .within = grid.max_spacing()}};
-  drawing.points = {{.points = points}};
-  drawing.paths = {{.points = points}};
-  drawing.boxes = {{.box = grid.bounds()}};
-  PictureOptions options;
-  options.width = 300;
-  options.height = 200;
-  options.threads = 1;
+  Drawing drawing{.meshes = {{.mesh = mesh, .edges = true}, {.mesh = wall, .opacity = 0.4}},
+                  .slices = {{.field = &field}},
+                  .bands = {{.field = &field, .within = grid.max_spacing()}},
+                  .points = {{.points = points}},
+                  .paths = {{.points = points}},
+                  .boxes = {{.box = grid.bounds()}}};
+  PictureOptions options{.width = 300, .height = 200, .threads = 1};
   const Image expected = draw_picture(drawing, options);
   EXPECT_GT(drawn(expected), 8000);
   for (const int threads : {2, 5}) {
@@ -140,8 +129,7 @@ TEST(Picture, NearerThingsHideOthers) {
   const Mesh near = square(-1), far = square(1, 3);
   const MeshLayer red{.mesh = near, .color = {255, 0, 0}}, blue{.mesh = far, .color = {0, 0, 255}};
   for (const bool swapped : {false, true}) {
-    Drawing drawing;
-    drawing.meshes = {red, blue};
+    Drawing drawing{.meshes = {red, blue}};
     if (swapped) std::swap(drawing.meshes[0], drawing.meshes[1]);
     const Image image = draw_picture(drawing, small_picture(0, 0));
     EXPECT_GT(middle(image)[0], 150);
@@ -169,16 +157,14 @@ TEST(Picture, SeeThroughThingsAreOrderedByDepth) {
     EXPECT_EQ(seen, expected);
   } while (std::ranges::next_permutation(order).found);
   layers[0].opacity = 1;
-  Drawing hidden;
-  hidden.meshes = layers;
+  Drawing hidden{.meshes = layers};
   EXPECT_EQ(middle(draw_picture(hidden, small_picture(0, 0)))[1], 0);
 }
 
 // Neighbouring see-through triangles cover no sample twice: there is no seam between them.
 TEST(Picture, SeeThroughSurfacesHaveNoSeams) {
   const Mesh wall = square(0);
-  Drawing drawing;
-  drawing.meshes = {{.mesh = wall, .opacity = 0.5, .shading = Shading::flat}};
+  Drawing drawing{.meshes = {{.mesh = wall, .opacity = 0.5, .shading = Shading::flat}}};
   const Image image = draw_picture(drawing, small_picture(0, 0));
   for (int y = 10; y < 54; ++y)
     for (int x = 30; x < 66; ++x) EXPECT_EQ(image.at(x, y), middle(image)) << x << "," << y;
@@ -211,8 +197,7 @@ TEST(Picture, SlicesShowTheFieldAndCutMeshes) {
   const Mesh mesh = scenes::make("box", 12);
   const Grid grid = fit_resolution(bounds(mesh), 32);
   const DistanceField field = compute(mesh, grid, kFullField, {.sign = {SignMethod::none}}).field;
-  Drawing drawing;
-  drawing.meshes = {{.mesh = mesh}};
+  Drawing drawing{.meshes = {{.mesh = mesh}}};
   PictureOptions options = small_picture(0, 0);
   options.legend = false;
   const Color whole = middle(draw_picture(drawing, options));
@@ -234,18 +219,16 @@ TEST(Picture, NumbersThatAreNotFiniteAreLeftOut) {
     values[n] = n % 3 == 0 ? static_cast<float>(kNan) : n % 3 == 1 ? static_cast<float>(kInf) : 0.5F;
   const std::vector<Vec3> points{{0, 0, 0}, {kNan, 0, 0}, {1, 1, 1}, {0, -kInf, 0}, {1, 0, 1}};
   const std::vector<double> numbers{1, 2, kNan, 4, -kInf};
-  Drawing drawing;
-  drawing.slices = {{.field = &field}};
-  drawing.bands = {{.field = &field}};
-  drawing.points = {{.points = points, .values = numbers}};
-  drawing.paths = {{.points = points, .values = numbers}};
+  Drawing drawing{.slices = {{.field = &field}},
+                  .bands = {{.field = &field}},
+                  .points = {{.points = points, .values = numbers}},
+                  .paths = {{.points = points, .values = numbers}}};
   EXPECT_GT(drawn(draw_picture(drawing, small_picture())), 100);
 }
 
 TEST(Picture, RefusesWhatItCannotDraw) {
   const Mesh mesh = random_triangles(7);
-  Drawing drawing;
-  drawing.meshes = {{.mesh = mesh}};
+  Drawing drawing{.meshes = {{.mesh = mesh}}};
   const auto code_of = [&](auto change) {
     PictureOptions options = small_picture();
     Drawing changed = drawing;

@@ -16,8 +16,7 @@ constexpr double kThickness = 0.3;
 
 // The distances from the unit ball, in a band.
 DistanceField ball() {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = SignMethod::winding;
+  ComputeOptions options{.sign = {.method = SignMethod::winding}};
   return compute(scenes::make("sphere", 20000), Grid{{41, 41, 41}, {-1.5, -1.5, -1.5}, {0.075, 0.075, 0.075}},
                  kThickness, options)
       .field;

@@ -6,8 +6,6 @@
 
 #include <random>
 
-#include "scenes/scenes.h"
-
 namespace standoff {
 namespace {
 

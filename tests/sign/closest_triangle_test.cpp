@@ -7,10 +7,8 @@
 #include "tests/sign/shapes.h"
 #include "tests/support/closest_of_all.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 void expect_closest(const Mesh& mesh, Random& random, double half, Vec3 center = {}) {
   const ClosestTriangle closest(mesh);
@@ -18,8 +16,8 @@ void expect_closest(const Mesh& mesh, Random& random, double half, Vec3 center =
     const Vec3 p = center + random.in_cube(half);
     const std::uint32_t found = closest.to(p);
     ASSERT_LT(found, mesh.triangles.size());
-    const double least = testing::brute_distance(mesh, p);
-    EXPECT_LE(testing::triangle_distance(mesh, found, p), least * (1 + 1e-15)) << mesh.triangles.size();
+    const double least = brute_distance(mesh, p);
+    EXPECT_LE(triangle_distance(mesh, found, p), least * (1 + 1e-15)) << mesh.triangles.size();
   }
 }
 
@@ -27,21 +25,21 @@ TEST(ClosestTriangle, OfSoupsOfAnySizeInAnyOrder) {
   for (const int triangles : {1, 2, 15, 16, 17, 64, 65, 257, 1025, 3000})
     for (const double side : {0.0, 0.01, 0.5}) {
       Random random(static_cast<unsigned>(triangles));
-      expect_closest(testing::random_soup(5, triangles, 1, side), random, 2);
+      expect_closest(random_soup(5, triangles, 1, side), random, 2);
       const Vec3 far{1e6, -2e6, 3e6};
-      expect_closest(testing::random_soup(6, triangles, 1, side, far), random, 2, far);
+      expect_closest(random_soup(6, triangles, 1, side, far), random, 2, far);
     }
 }
 
 TEST(ClosestTriangle, OfFlatMeshesAndOfOnePoint) {
   Random random(1);
-  const Mesh flat = testing::terrain(20, 0), point = testing::random_soup(2, 40, 0, 0);
+  const Mesh flat = terrain(20, 0), point = random_soup(2, 40, 0, 0);
   expect_closest(flat, random, 3);
   expect_closest(point, random, 3);
 }
 
 TEST(ClosestTriangle, OfManyThatAreEquallyClose) {
-  const Mesh once = testing::random_soup(3, 50, 1, 0.2);
+  const Mesh once = random_soup(3, 50, 1, 0.2);
   Mesh mesh = once;
   for (int n = 0; n < 20; ++n)
     mesh.triangles.insert(mesh.triangles.end(), once.triangles.begin(), once.triangles.end());
@@ -52,4 +50,4 @@ TEST(ClosestTriangle, OfManyThatAreEquallyClose) {
 TEST(ClosestTriangle, OfNoTriangles) { EXPECT_EQ(ClosestTriangle(Mesh{}).to({1, 2, 3}), kNoTriangle); }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -14,6 +14,7 @@
 #include "sign/diagnosis/closed.h"
 #include "standoff/io.h"
 #include "tests/collision/zoo/ask.h"
+#include "tests/sign/shapes.h"
 #include "tests/sign/sides_of_samples.h"
 #include "tests/sign/solid_soup.h"
 
@@ -23,18 +24,6 @@ namespace {
 using testing::Random;
 using testing::Sides;
 using testing::SidesOfSamples;
-
-void add_box(Mesh& mesh, const Vec3& low, const Vec3& high) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (int n = 0; n < 8; ++n)
-    mesh.vertices.push_back({n & 1 ? high.x : low.x, n & 2 ? high.y : low.y, n & 4 ? high.z : low.z});
-  constexpr std::uint32_t quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                                         {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& q : quads) {
-    mesh.triangles.push_back({first + q[0], first + q[1], first + q[2]});
-    mesh.triangles.push_back({first + q[0], first + q[2], first + q[3]});
-  }
-}
 
 // How many boxes hold p, by comparisons.
 ReferenceWinding in_boxes(const std::vector<Box>& boxes, const Vec3& p) {
@@ -51,7 +40,7 @@ ReferenceWinding in_boxes(const std::vector<Box>& boxes, const Vec3& p) {
 
 Mesh mesh_of(const std::vector<Box>& boxes) {
   Mesh mesh;
-  for (const Box& box : boxes) add_box(mesh, box.min, box.max);
+  for (const Box& box : boxes) testing::append(mesh, testing::box(box.min, box.max));
   return mesh;
 }
 

@@ -6,10 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <queue>
 
-#include "core/tile_count.h"
 #include "scenes/scenes.h"
 #include "sign/flood/grid_edges.h"
 #include "sign/rows/row_crossings.h"
@@ -90,16 +88,7 @@ std::vector<bool> flood_by_samples(const Mesh& mesh, const Grid& grid) {
 }
 
 // Each side of a box is two triangles of corners of their own.
-void add_box(Mesh& mesh, const Box& box) {
-  const auto at = [&](int n) {
-    return Vec3{n & 1 ? box.max.x : box.min.x, n & 2 ? box.max.y : box.min.y, n & 4 ? box.max.z : box.min.z};
-  };
-  constexpr int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-  for (const auto& s : sides) {
-    testing::add_triangle(mesh, at(s[0]), at(s[1]), at(s[2]));
-    testing::add_triangle(mesh, at(s[0]), at(s[2]), at(s[3]));
-  }
-}
+void add_box(Mesh& mesh, const Box& box) { testing::append(mesh, testing::unwelded(testing::box(box.min, box.max))); }
 
 // Samples within the box.
 std::vector<bool> within(const Box& box, const Grid& grid) {

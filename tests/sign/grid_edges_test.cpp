@@ -12,11 +12,9 @@
 #include "sign/flood/lattice.h"
 #include "tests/sign/solid_soup.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Random;
-using testing::Tetrahedron;
 using GridSample = std::array<std::int64_t, 3>;
 
 // How often each edge of the lattice crosses the mesh.
@@ -68,11 +66,11 @@ TEST(GridEdges, SquaresCrossClosedMeshesAnEvenNumberOfTimes) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     Random random(seed);
     // Nearly all samples are on a corner, an edge or a plane of some triangle.
-    const Mesh mesh = testing::mesh_of(testing::integer_tetrahedra(random, 5, 4));
+    const Mesh mesh = mesh_of(integer_tetrahedra(random, 5, 4));
     EXPECT_EQ(odd_squares(mesh, TileLattice::of({{14, 15, 16}, {-7, -7, -7}}), 50), 0) << seed;
   }
   // Three faces in planes of samples.
-  const Mesh corner = testing::mesh_of({{Vec3{2, 2, 2}, Vec3{10, 2, 2}, Vec3{2, 10, 2}, Vec3{2, 2, 10}}});
+  const Mesh corner = mesh_of({{Vec3{2, 2, 2}, Vec3{10, 2, 2}, Vec3{2, 10, 2}, Vec3{2, 2, 10}}});
   EXPECT_EQ(odd_squares(corner, TileLattice::of({{13, 13, 13}, {}}), 90), 0);
 }
 
@@ -81,12 +79,11 @@ TEST(GridEdges, OddExactlyBetweenInsideAndOutside) {
   std::int64_t crossed = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Random random(seed);
-    const std::vector<Tetrahedron> solid = testing::integer_tetrahedra(random, 1, 6);
+    const std::vector<Tetrahedron> solid = integer_tetrahedra(random, 1, 6);
     const TileLattice lattice = TileLattice::of({{15, 16, 14}, {-7, -7, -7}});
-    const EdgeCrossings crossings(testing::mesh_of(solid), lattice);
+    const EdgeCrossings crossings(mesh_of(solid), lattice);
     const auto known = [&](const GridSample& s) {
-      return testing::known_winding(solid,
-                                    {lattice.axes[0].at(s[0]), lattice.axes[1].at(s[1]), lattice.axes[2].at(s[2])});
+      return known_winding(solid, {lattice.axes[0].at(s[0]), lattice.axes[1].at(s[1]), lattice.axes[2].at(s[2])});
     };
     for_each_sample_of(lattice, 1, [&](const GridSample& at) {
       const auto here = known(at);
@@ -103,7 +100,7 @@ TEST(GridEdges, OddExactlyBetweenInsideAndOutside) {
 }
 
 TEST(GridEdges, BitsOfTiles) {
-  const Mesh mesh = testing::random_soup(3, 300, 2, 0.8);
+  const Mesh mesh = random_soup(3, 300, 2, 0.8);
   for (const bool around : {false, true}) {
     const Grid grid{{33, 20, 17}, {-2, -1.5, -1.2}, {0.11, 0.12, 0.13}};
     const TileLattice lattice = around ? TileLattice::around(grid, bounds(mesh)) : TileLattice::of(grid);
@@ -162,4 +159,4 @@ TEST(TileLattice, ReachesBeyondTheBox) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -252,9 +252,7 @@ TEST(MeshReport, DoesNotDependOnOrderCornersOrThreads) {
   mesh = without(with_flipped(joined(mesh, moved(klein_bottle(), {9, 0, 0})), 300), 400);
   const MeshReport expected = report(mesh);
   for (unsigned seed = 0; seed < 4; ++seed) {
-    MeshReportOptions options;
-    options.execution.threads = static_cast<int>(seed) + 1;
-    const MeshReport found = report(shuffled(mesh, seed), options);
+    const MeshReport found = report(shuffled(mesh, seed), {.execution = {.threads = static_cast<int>(seed) + 1}});
     EXPECT_EQ(found.flipped, expected.flipped);
     EXPECT_EQ(found.boundary_edges, expected.boundary_edges);
     EXPECT_EQ(found.boundary_loops, expected.boundary_loops);

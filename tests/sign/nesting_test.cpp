@@ -19,9 +19,7 @@ struct Boxes {
 
   void add(const Box& bounds, bool turned = false) {
     const Mesh one = turned ? reversed(box(bounds.min, bounds.max)) : box(bounds.min, bounds.max);
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
-    for (const Triangle& t : one.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    append(mesh, one);
     part_of.insert(part_of.end(), one.triangles.size(), static_cast<std::uint32_t>(parts.size()));
     parts.push_back({bounds, true});
   }

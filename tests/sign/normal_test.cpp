@@ -14,28 +14,20 @@
 #include "standoff/compute.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
-#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
 
-using testing::Random;
-using testing::Tetrahedron;
 using NormalPlace = Pseudonormals::Place;
 
-ComputeOptions by(SignMethod method, bool nearest = false) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  options.nearest = nearest;
-  return options;
-}
+ComputeOptions by(SignMethod method, bool nearest = false) { return {.sign = {.method = method}, .nearest = nearest}; }
 
 std::vector<Tetrahedron> outward_tetrahedron(Random& random, std::uint32_t half) {
   while (true) {
-    std::vector<Tetrahedron> one = testing::integer_tetrahedra(random, 1, half);
+    std::vector<Tetrahedron> one = integer_tetrahedra(random, 1, half);
     Tetrahedron& t = one[0];
-    const int side = testing::orientation(t[0], t[1], t[2], t[3]);
+    const int side = orientation(t[0], t[1], t[2], t[3]);
     if (side == 0) continue;
     if (side < 0) std::swap(t[0], t[1]);
     return one;
@@ -44,17 +36,17 @@ std::vector<Tetrahedron> outward_tetrahedron(Random& random, std::uint32_t half)
 
 // The same solid: two faces are cut into many triangles at corners 0, each time at a point within, nearer to a side.
 Mesh with_fans(const Tetrahedron& t, int cuts) {
-  const Mesh plain = testing::mesh_of({t});
+  const Mesh plain = mesh_of({t});
   Mesh mesh;
   for (std::size_t f = 0; f < plain.triangles.size(); ++f) {
     auto [a, b, c] = MeshView(plain).corners(f);
     for (int n = 0; n < cuts && (f == 1 || f == 2); ++n) {
       const Vec3 within = (a + b + c * 2) * 0.25;  // exact
-      testing::add_triangle(mesh, b, c, within);
-      testing::add_triangle(mesh, c, a, within);
+      add_triangle(mesh, b, c, within);
+      add_triangle(mesh, c, a, within);
       c = within;
     }
-    testing::add_triangle(mesh, a, b, c);
+    add_triangle(mesh, a, b, c);
   }
   return mesh;
 }
@@ -69,11 +61,11 @@ TEST(Pseudonormals, OfSharpCornersWhicheverTriangleIsNamed) {
       const Pseudonormals normals({mesh});
       for (int n = 0; n < 200; ++n) {
         const Vec3 at = random.in_cube(12), p{std::round(at.x), std::round(at.y), std::round(at.z)};
-        const auto known = testing::known_winding(solid, p);
+        const auto known = known_winding(solid, p);
         if (known.on_surface) continue;
-        const double distance = testing::reference_distance(mesh, p);
+        const double distance = reference_distance(mesh, p);
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-          if (testing::reference_distance(mesh, t, p) > distance * (1 + 1e-12)) continue;
+          if (reference_distance(mesh, t, p) > distance * (1 + 1e-12)) continue;
           EXPECT_EQ(normals.place_of(p, t), known.winding != 0 ? NormalPlace::back : NormalPlace::front)
               << seed << ", " << cuts << ", triangle " << t;
           behind += known.winding != 0;
@@ -89,7 +81,7 @@ TEST(Pseudonormals, OfSharpCornersWhicheverTriangleIsNamed) {
 
 TEST(Pseudonormals, OrientationOfUseAndTrianglesLeftOut) {
   Random random(3);
-  const Mesh mesh = testing::mesh_of(outward_tetrahedron(random, 9));
+  const Mesh mesh = mesh_of(outward_tetrahedron(random, 9));
   Mesh damaged = mesh;  // some turned around, one of them twice, and each face again, turned around
   std::swap(damaged.triangles[1][0], damaged.triangles[1][1]);
   std::swap(damaged.triangles[3][0], damaged.triangles[3][2]);
@@ -112,7 +104,7 @@ TEST(Pseudonormals, OrientationOfUseAndTrianglesLeftOut) {
 
 std::int64_t wrong_signs(const DistanceField& field, const DistanceField& expected) {
   std::int64_t wrong = 0;
-  testing::for_each_sample(field.grid(), [&](auto i, auto j, auto k) {
+  for_each_sample(field.grid(), [&](auto i, auto j, auto k) {
     wrong += field.value(i, j, k) != expected.value(i, j, k) && std::abs(field.value(i, j, k)) > 1e-6;
   });
   return wrong;
@@ -122,7 +114,7 @@ std::int64_t wrong_signs(const DistanceField& field, const DistanceField& expect
 TEST(NormalSign, OfSolidsIsThatOfTheWindingNumber) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     Random random(seed);
-    const Mesh mesh = testing::mesh_of(outward_tetrahedron(random, 9));
+    const Mesh mesh = mesh_of(outward_tetrahedron(random, 9));
     const Grid grid{{42, 37, 40}, {-10.2, -9.1, -9.9}, {0.5, 0.51, 0.49}};
     for (const double thickness : {0.2, 0.6, 2.0, kFullField})
       EXPECT_EQ(wrong_signs(compute(mesh, grid, thickness, by(SignMethod::normal)).field,
@@ -140,7 +132,7 @@ TEST(NormalSign, OfSolidsIsThatOfTheWindingNumber) {
 
 // A solid that lines from the origin leave once, with spikes and pits.
 Mesh star(Random& random) {
-  Mesh mesh = testing::sphere(6);
+  Mesh mesh = sphere(6);
   std::map<std::array<double, 3>, double> far;  // vertices on the seam are one position
   for (Vec3& v : mesh.vertices) {
     const auto [at, is_new] = far.try_emplace({v.x, v.y, v.z});
@@ -157,7 +149,7 @@ TEST(NormalSign, OfSolidsIsThatOfTheWindingNumberForAnyBandAndGrid) {
     Random random(seed);
     const bool is_star = random.below(2) == 0;
     const Tetrahedron corners = outward_tetrahedron(random, 9)[0];
-    const Mesh mesh = is_star ? star(random) : testing::mesh_of({corners});
+    const Mesh mesh = is_star ? star(random) : mesh_of({corners});
     const auto samples = [&] { return static_cast<std::int64_t>(random.between(1, 30)); };
     const auto step = [&] { return random.between(0.1, 1); };
     Grid grid{{samples(), samples(), samples()}, random.in_cube(5) - Vec3{3, 3, 3}, {step(), step(), step()}};
@@ -185,13 +177,13 @@ TEST(NormalSign, OfManyRegionsWithoutABand) {
   Mesh mesh;
   constexpr int kShells = 12;
   for (int n = 0; n < kShells; ++n) {
-    const Mesh cube = testing::box(Vec3{-1, -1, -1} * (n + 1.5), Vec3{1, 1, 1} * (n + 1.5));
-    mesh = testing::joined(std::move(mesh), (kShells - n) % 2 == 1 ? cube : testing::reversed(cube));
+    const Mesh cube = box(Vec3{-1, -1, -1} * (n + 1.5), Vec3{1, 1, 1} * (n + 1.5));
+    mesh = joined(std::move(mesh), (kShells - n) % 2 == 1 ? cube : reversed(cube));
   }
   const Grid grid{{31, 31, 31}, {-15, -15, -15}, {1, 1, 1}};
   const DistanceField field = compute(mesh, grid, 0.01, by(SignMethod::normal)).field;
   std::int64_t wrong = 0;
-  testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+  for_each_sample(grid, [&](auto i, auto j, auto k) {
     const auto far = static_cast<std::int64_t>(max_norm(grid.position(i, j, k)));
     const std::int64_t shells_around = kShells - std::clamp<std::int64_t>(far - 1, 0, kShells);
     wrong += (field.value(i, j, k) < 0) != (shells_around % 2 == 1);
@@ -210,8 +202,8 @@ Mesh terrain(int squares) {
   };
   for (int j = 0; j < squares; ++j)
     for (int i = 0; i < squares; ++i) {
-      testing::add_triangle(mesh, at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      testing::add_triangle(mesh, at(i, j), at(i + 1, j + 1), at(i, j + 1));
+      add_triangle(mesh, at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      add_triangle(mesh, at(i, j), at(i + 1, j + 1), at(i, j + 1));
     }
   return mesh;
 }
@@ -233,7 +225,7 @@ TEST(NormalSign, OfTerrainIsBelowIt) {
   for (const double thickness : {1e-6, 0.03, 0.13, 0.5, kFullField}) {
     const DistanceField field = compute(mesh, grid, thickness, by(SignMethod::normal)).field;
     std::int64_t wrong = 0, below = 0;
-    testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    for_each_sample(grid, [&](auto i, auto j, auto k) {
       const Vec3 p = grid.position(i, j, k);
       const double above = p.z - height_of_net(kSquares, p);
       wrong += std::abs(above) > 1e-9 && (field.value(i, j, k) < 0) != (above < 0);
@@ -267,18 +259,18 @@ TEST(NormalSign, SparseAndDenseWithAndWithoutNearestTriangles) {
     EXPECT_EQ(wrong_signs(with, without), 0);
     std::vector<float> dense(static_cast<std::size_t>(grid.sample_count()));
     compute_into(mesh, grid, thickness, dense, by(SignMethod::normal));
-    EXPECT_EQ(testing::bits_of(dense), testing::bits_of(without.to_dense()));
+    EXPECT_EQ(bits_of(dense), bits_of(without.to_dense()));
     std::vector<float> magnitudes = dense;
     for (float& value : magnitudes) value = std::abs(value);
-    EXPECT_EQ(testing::bits_of(magnitudes), testing::bits_of(plain.to_dense()));
+    EXPECT_EQ(bits_of(magnitudes), bits_of(plain.to_dense()));
     for (const int threads : {1, 4}) {
       ComputeOptions options = by(SignMethod::normal);
       options.execution.threads = threads;
       compute_into(mesh, grid, thickness, without, options);  // into a field that was used before
-      EXPECT_EQ(testing::bits_of(dense), testing::bits_of(without.to_dense()));
+      EXPECT_EQ(bits_of(dense), bits_of(without.to_dense()));
     }
   }
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/tile_count.h"
 #include "sign/rows/row_crossings.h"
 #include "tests/sign/brute_winding.h"
 #include "tests/sign/shapes.h"

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "standoff/mesh.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/random_mesh.h"
 
 namespace standoff::testing {
@@ -116,23 +117,6 @@ inline Mesh box(Vec3 low = {0, 0, 0}, Vec3 high = {1, 1, 1}) {
     mesh.vertices.push_back({n & 1 ? high.x : low.x, n & 2 ? high.y : low.y, n & 4 ? high.z : low.z});
   mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  return mesh;
-}
-
-inline Mesh moved(Mesh mesh, Vec3 by, double scale = 1) {
-  for (Vec3& v : mesh.vertices) v = v * scale + by;
-  return mesh;
-}
-
-inline Mesh reversed(Mesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  return mesh;
-}
-
-inline Mesh joined(Mesh mesh, const Mesh& other) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   return mesh;
 }
 

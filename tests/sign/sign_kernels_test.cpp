@@ -11,10 +11,8 @@
 #include "simd/dispatch.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 template <class Use>
 void for_each_set(const Use& use) {
@@ -89,4 +87,4 @@ TEST(SignKernels, Negate) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -20,21 +20,13 @@
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::kInfinity;
-using testing::Random;
-using testing::Tetrahedron;
 
 constexpr std::int64_t kSmallThings = 64 << 10;  // what TBB and the texts of a report take
 
 ComputeOptions options_with(SignMethod method, int threads = 2) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.execution.backend = Backend::cpu;
-  options.execution.threads = threads;
-  options.sign.method = method;
-  return options;
+  return {.sign = {.method = method}, .execution = {.threads = threads, .backend = Backend::cpu}};
 }
 
 Mesh shells(int count) {
@@ -43,7 +35,7 @@ Mesh shells(int count) {
     const double s = 1.0 * n / count;
     nested.push_back({Vec3{-s, -s, -s}, Vec3{3 * s, -s, -s}, Vec3{-s, 3 * s, -s}, Vec3{-s, -s, 3 * s}});
   }
-  return testing::mesh_of(nested);
+  return mesh_of(nested);
 }
 Mesh solids(int count, double size) {
   Random random(3);
@@ -53,7 +45,7 @@ Mesh solids(int count, double size) {
     all.push_back(
         {at + random.in_cube(size), at + random.in_cube(size), at + random.in_cube(size), at + random.in_cube(size)});
   }
-  return testing::mesh_of(all);
+  return mesh_of(all);
 }
 
 struct Kind {
@@ -83,7 +75,7 @@ TEST(SignMemory, NoFieldTakesMoreThanWasSaid) {
           const ComputeOptions options = options_with(SignMethod::winding, threads);
           const double thickness = samples * grid.max_spacing();
           const std::int64_t needed = estimate(kind.mesh, grid, thickness, options).whole;
-          const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
+          const std::int64_t taken = heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
           EXPECT_LE(taken, needed + kSmallThings) << kind.name << ", " << size.x << ", " << samples << " samples";
         }
 }
@@ -115,12 +107,6 @@ Mesh with_reversed(int nth, Mesh mesh) {
     if (++n % nth == 0) std::swap(t[0], t[1]);
   return mesh;
 }
-Mesh unwelded(const Mesh& mesh) {
-  Mesh all;
-  for (const auto& [a, b, c] : mesh.triangles)
-    testing::add_triangle(all, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
-  return all;
-}
 Mesh two_sided(Mesh mesh) {
   const Mesh front = mesh;
   for (const auto& [a, b, c] : front.triangles) mesh.triangles.push_back({a, c, b});
@@ -131,7 +117,7 @@ Mesh inside_out(Mesh mesh) { return with_reversed(1, std::move(mesh)); }
 Mesh book(std::uint32_t pages) {
   Mesh mesh{{{0, 0, -1}, {0, 0, 1}}, {}};
   for (std::uint32_t n = 0; n < pages; ++n) {
-    const double angle = testing::kTurn * n / pages;
+    const double angle = kTurn * n / pages;
     mesh.vertices.push_back({std::cos(angle), std::sin(angle), 0});
     mesh.triangles.push_back({0, 1, 2 + n});
   }
@@ -139,9 +125,9 @@ Mesh book(std::uint32_t pages) {
 }
 
 std::vector<Kind> usual_kinds() {
-  const Mesh ball = testing::sphere(80);
-  return {{"terrain", testing::terrain(120)},
-          {"terrain, nothing shared", unwelded(testing::terrain(120))},
+  const Mesh ball = sphere(80);
+  return {{"terrain", terrain(120)},
+          {"terrain, nothing shared", unwelded(terrain(120))},
           {"a ball with a hole", without_every(20'000, ball)},
           {"a ball with many holes", without_every(200, ball)},
           {"a ball of reversed triangles", with_reversed(7, ball)},
@@ -152,14 +138,14 @@ std::vector<Kind> usual_kinds() {
           {"an assembly with an open chute", scenes::make("our_process", 40'000)}};
 }
 std::vector<Kind> worst_kinds() {
-  return {{"a third is missing", without_every(3, testing::sphere(40))},
-          {"a soup", testing::random_soup(5, 3000, 1, 0.1)},
-          {"a nasty soup", testing::nasty_soup(5, 3000, 5)},
-          {"a dense nasty soup", testing::nasty_soup(5, 3000, 2)},
+  return {{"a third is missing", without_every(3, sphere(40))},
+          {"a soup", random_soup(5, 3000, 1, 0.1)},
+          {"a nasty soup", nasty_soup(5, 3000, 5)},
+          {"a dense nasty soup", nasty_soup(5, 3000, 2)},
           {"a book", book(3000)},
           {"shells inside out", inside_out(shells(500))},
           {"solids through each other inside out", inside_out(solids(200, 1))},
-          {"a solid twice, half reversed", with_reversed(2, two_sided(testing::sphere(20)))}};
+          {"a solid twice, half reversed", with_reversed(2, two_sided(sphere(20)))}};
 }
 
 // What planning takes; `said` what was said.
@@ -167,7 +153,7 @@ std::int64_t planning_of(const Mesh& mesh, const SignOptions& options, int threa
   return Threads(threads).run([&] {
     said = sign_memory(mesh, options, threads).planning;
     ProgressMeter nobody;
-    return testing::heap::most_held([&] { plan_sign(mesh, options, nobody); });
+    return heap::most_held([&] { plan_sign(mesh, options, nobody); });
   });
 }
 
@@ -199,7 +185,7 @@ TEST(SignMemory, FieldsOfOpenMeshesTakeWhatWasSaid) {
     const ComputeOptions options = options_with(SignMethod::automatic);
     const double thickness = 2 * grid.max_spacing();
     const std::int64_t said = estimate(kind.mesh, grid, thickness, options).whole;
-    const std::int64_t taken = testing::heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
+    const std::int64_t taken = heap::most_held([&] { compute(kind.mesh, grid, thickness, options); });
     EXPECT_LE(taken, said + kSmallThings) << kind.name;
     EXPECT_LE(said, 3 * taken / 2) << kind.name;
   }
@@ -209,8 +195,7 @@ TEST(SignMemory, FieldsOfOpenMeshesTakeWhatWasSaid) {
         const Grid grid = grid_of(kind.mesh, {16, 24, 20});
         const ComputeOptions options = options_with(method, threads);
         const std::int64_t said = estimate(kind.mesh, grid, grid.max_spacing(), options).whole;
-        const std::int64_t taken =
-            testing::heap::most_held([&] { compute(kind.mesh, grid, grid.max_spacing(), options); });
+        const std::int64_t taken = heap::most_held([&] { compute(kind.mesh, grid, grid.max_spacing(), options); });
         EXPECT_LE(taken, said + kSmallThings) << kind.name << ", sign " << name_of(method);
       }
 }
@@ -226,13 +211,13 @@ TEST(SignMemory, ALimitChangesNoSign) {
   EXPECT_LT(options.memory_limit, std::int64_t{16} * 2 * 1000 * 60 * 60 / 2) << "half of all crossings";
   DistanceField limited;
   {
-    const testing::heap::Limit hard(options.memory_limit + kSmallThings);
+    const heap::Limit hard(options.memory_limit + kSmallThings);
     limited = compute(mesh, grid, grid.max_spacing(), options).field;
   }
-  EXPECT_EQ(testing::bits_of(limited.to_dense()), testing::bits_of(whole));
+  EXPECT_EQ(bits_of(limited.to_dense()), bits_of(whole));
   options.memory_limit -= 1;
   expect_error([&] { compute(mesh, grid, grid.max_spacing(), options); }, ErrorCode::limit, "more than the limit");
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

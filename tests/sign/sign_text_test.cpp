@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "tests/support/comma_locale.h"
 
 namespace standoff {
@@ -72,17 +70,13 @@ TEST(SignText, OtherTextsAreNotGuessedAt) {
 TEST(SignText, SaysWhatWasDone) {
   const SignOptions options{.method = SignMethod::automatic, .rule = WindingRule::nonzero, .invert = true, .shell = 2};
   const auto text = [&](SignMethod used, std::int64_t flipped) {
-    SignReport report;
-    report.method = used;
-    report.flipped = flipped;
+    SignReport report{.method = used, .flipped = flipped};
     return written(sign_text_of(options, report));
   };
   EXPECT_EQ(text(SignMethod::winding, 0), "winding nonzero inverted");
   EXPECT_EQ(text(SignMethod::none, 0), "");
   EXPECT_EQ(text(SignMethod::flood, 3), "flood oriented inverted");
-  SignReport left_out;
-  left_out.method = SignMethod::parity;
-  left_out.left_out = 2;
+  SignReport left_out{.method = SignMethod::parity, .left_out = 2};
   EXPECT_EQ(written(sign_text_of(options, left_out)), "parity oriented inverted");
   EXPECT_EQ(text(SignMethod::shell, 0), "shell 2 inverted");
 }

@@ -63,11 +63,7 @@ TEST(Stop, WithinARowOfTilesOfASoup) {
       60);
   expect_many_questions(
       [&](const ProgressCallback& progress) {
-        ComputeOptions options{.sign = {SignMethod::none}};
-        options.sign = kWinding;
-        options.execution = kOneThread;
-        options.progress = progress;
-        compute(mesh, kOneRowOfTiles, 0.05, options);
+        compute(mesh, kOneRowOfTiles, 0.05, {.sign = kWinding, .execution = kOneThread, .progress = progress});
       },
       60, "sign");
 }
@@ -127,10 +123,9 @@ TEST(Stop, BetweenRowsOfTiles) {
   for (const SignMethod method : {SignMethod::normal, SignMethod::shell})
     expect_many_questions(
         [&](const ProgressCallback& progress) {
-          ComputeOptions options{.sign = {SignMethod::none}};
-          options.sign = {.method = method, .shell = method == SignMethod::shell ? 0.1 : 0};
-          options.execution = kOneThread;
-          options.progress = progress;
+          ComputeOptions options{.sign = {.method = method, .shell = method == SignMethod::shell ? 0.1 : 0},
+                                 .execution = kOneThread,
+                                 .progress = progress};
           compute(mesh, grid, 0.5, options);
         },
         400, "sign");

@@ -28,10 +28,7 @@ void for_each_sample(const Grid& grid, Use use) {
 /// The field and its nearest triangles, by two threads.
 inline ComputeResult computed(MeshView mesh, const Grid& grid, double thickness, Simd simd = Simd::automatic,
                               int threads = 2) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.nearest = true;
-  options.execution.simd = simd;
-  options.execution.threads = threads;
+  ComputeOptions options{.sign = {SignMethod::none}, .execution = {.threads = threads, .simd = simd}, .nearest = true};
   return compute(mesh, grid, thickness, options);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small random meshes for tests, the same on every machine.
+// Small random meshes and points for tests, the same on every machine.
 #pragma once
 
 #include <cmath>
@@ -21,6 +21,13 @@ class Random {
  private:
   std::mt19937 engine_;
 };
+
+inline std::vector<Vec3> points_around(unsigned seed, int count, double reach, Vec3 middle = {}) {
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (int n = 0; n < count; ++n) points.push_back(middle + random.in_cube(reach));
+  return points;
+}
 
 inline void add_triangle(Mesh& mesh, Vec3 a, Vec3 b, Vec3 c) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of updates share: options, a mesh as STL files hold it, and whether two fields have the same tiles.
+// What the tests of updates share: options, and whether two fields have the same tiles.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,8 @@
 namespace standoff::testing {
 
 inline ComputeOptions update_options(SignMethod method, bool as_oriented = false) {
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.sign.method = method;
-  options.sign.as_oriented = as_oriented;
-  if (method == SignMethod::shell) options.sign.shell = 0.05;
-  options.execution = {.threads = 2, .backend = Backend::cpu};
-  return options;
-}
-
-/// Each triangle with corners of its own.
-inline Mesh unwelded(const Mesh& mesh) {
-  Mesh soup;
-  for (const Triangle& t : mesh.triangles) {
-    const auto first = static_cast<std::uint32_t>(soup.vertices.size());
-    for (const std::uint32_t v : t) soup.vertices.push_back(mesh.vertices[v]);
-    soup.triangles.push_back({first, first + 1, first + 2});
-  }
-  return soup;
+  return {.sign = {.method = method, .as_oriented = as_oriented, .shell = method == SignMethod::shell ? 0.05 : 0},
+          .execution = {.threads = 2, .backend = Backend::cpu}};
 }
 
 template <class A, class B>

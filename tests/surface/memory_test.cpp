@@ -38,9 +38,8 @@ std::vector<Case> cases() {
 TEST(SurfaceMemory, StaysBelowItsLimit) {
   const Mesh mesh = scenes::make("sphere", 2000);
   const Grid grid = fit_resolution(bounds(mesh), 96, 0.3);
-  ComputeOptions computed{.sign = {SignMethod::none}};
-  computed.sign.method = SignMethod::winding;
-  computed.execution = {.threads = 2, .backend = Backend::cpu};
+  ComputeOptions computed{.sign = {.method = SignMethod::winding},
+                          .execution = {.threads = 2, .backend = Backend::cpu}};
   const DistanceField field = compute(mesh, grid, 0.3, computed).field;
   for (Case& one : cases()) {
     SCOPED_TRACE(one.name);
@@ -71,9 +70,7 @@ TEST(SurfaceMemory, StaysBelowItsLimit) {
 TEST(SurfaceMemory, SaysWhatItNeeds) {
   const Mesh mesh = scenes::make("sphere", 2000);
   const Grid grid = fit_resolution(bounds(mesh), 96, 0.3);
-  ComputeOptions computed{.sign = {SignMethod::none}};
-  computed.sign.method = SignMethod::winding;
-  computed.execution.backend = Backend::cpu;
+  ComputeOptions computed{.sign = {.method = SignMethod::winding}, .execution = {.backend = Backend::cpu}};
   const DistanceField field = compute(mesh, grid, 0.3, computed).field;
   expect_error([&] { surface(field, {.memory_limit = 1000}); }, ErrorCode::limit, "memory limit");
   EXPECT_NO_THROW(surface(field, {.memory_limit = kNoMemoryLimit}));

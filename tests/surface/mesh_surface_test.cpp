@@ -217,8 +217,7 @@ TEST(MeshSurface, ThreadsChangeNothing) {
   const Mesh mesh = scenes::make("fly", 2000);
   const Grid grid = fit_resolution(bounds(mesh), 50);
   for (const double at : {0.0, 0.05}) {
-    SurfaceOptions options{.at = at, .method = SurfaceMethod::dual};
-    options.execution.threads = 1;
+    SurfaceOptions options{.at = at, .method = SurfaceMethod::dual, .execution = {.threads = 1}};
     const Mesh one = surface(mesh, grid, options).mesh;
     options.execution.threads = 4;
     const Mesh many = surface(mesh, grid, options).mesh;
@@ -246,8 +245,7 @@ TEST(MeshSurface, SaysWhatIsLost) {
   EXPECT_EQ(surface(all, grid, {.sign = sign, .execution = {.threads = 1}}).report.lost, report.lost);
   // With what the sentence names, it is there.
   EXPECT_EQ(surface(all, grid, {.at = 0.1, .sign = sign}).report.lost, "");
-  SignOptions shell{SignMethod::shell};
-  shell.shell = 0.2;
+  SignOptions shell{.method = SignMethod::shell, .shell = 0.2};
   EXPECT_EQ(surface(all, grid, {.sign = shell}).report.lost, "");
   const Grid finer{{150, 100, 100}, {-0.52, -0.52, -0.52}, {0.04, 0.04, 0.04}};
   EXPECT_EQ(surface(all, finer, {.sign = sign}).report.lost, "");

@@ -11,7 +11,6 @@
 #include "standoff/compute.h"
 #include "standoff/surface.h"
 #include "tests/support/expect_error.h"
-#include "tests/surface/manifold.h"
 #include "tests/surface/random_field.h"
 
 namespace standoff {

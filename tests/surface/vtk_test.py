@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Surfaces against those of VTK's flying edges: on smooth fields both have the same triangles but for their diagonals."""
 
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
+from program import run
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkMassProperties, vtkPolyDataConnectivityFilter
@@ -15,7 +14,6 @@ from vtkmodules.vtkFiltersCore import vtkFeatureEdges
 from vtkmodules.vtkIOPLY import vtkPLYReader
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
-STANDOFF = os.environ["STANDOFF"]
 
 
 def field(name, function, size, spacing):
@@ -71,7 +69,7 @@ for name, (function, size, spacing) in CASES.items():
         cubes.Update()
         theirs = measure(cubes.GetOutput())
         made = folder / f"{name}.ply"
-        subprocess.run([STANDOFF, "surface", folder / f"{name}.vti", "--at", str(level), "-f", "-q", "-o", made], check=True)
+        run("surface", folder / f"{name}.vti", "--at", level, "-f", "-o", made)
         reader = vtkPLYReader()
         reader.SetFileName(str(made))
         reader.Update()

@@ -12,15 +12,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::for_each_sample;
-using testing::kInfinity;
-using testing::nasty_soup;
-using testing::random_soup;
-using testing::reference_distance;
 
 struct Outcome {
   DistanceField field;
@@ -103,7 +96,7 @@ TEST(Thesis, IsExactForOneTriangleThatCoversEverything) {
 TEST(Thesis, CountsTheSamplesOfGrownBoxes) {
   // Coordinates, spacing and thickness are multiples of 1/8, so that samples on a box's face are decided without
   // rounding.
-  testing::Random random(5);
+  Random random(5);
   const auto eighths = [&] {
     const Vec3 v = random.in_cube(40);
     return Vec3{std::round(v.x), std::round(v.y), std::round(v.z)} * 0.125;
@@ -175,7 +168,7 @@ TEST(Thesis, StoresOnlyTilesOfTheBand) {
 TEST(Thesis, SkippingOnlyRaisesDistances) {
   // A wavy sheet of triangle strips: neighbours in mesh order are neighbours in space, as in meshes made by people.
   Mesh mesh;
-  testing::Random random(8);
+  Random random(8);
   const auto at = [](double x, double y) { return Vec3{x, y, std::sin(x) + std::cos(0.7 * y)}; };
   for (double y = -4; y < 4;) {
     const double dy = random.between(0.1, 0.5);
@@ -225,4 +218,4 @@ TEST(Thesis, SaysHowMuchScratchItNeeds) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

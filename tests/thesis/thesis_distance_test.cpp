@@ -11,16 +11,14 @@
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::Random;
 
 constexpr double kEpsilon = 0x1p-23;  // of float
 
 Triple<float> narrow(Vec3 v) { return thesis_rounded<float>(v); }
 
-double exact_distance(Vec3 p, const std::array<Vec3, 3>& t) { return testing::reference_distance(p, t[0], t[1], t[2]); }
+double exact_distance(Vec3 p, const std::array<Vec3, 3>& t) { return reference_distance(p, t[0], t[1], t[2]); }
 
 double thesis_distance(Vec3 p, const std::array<Vec3, 3>& t) {
   return std::sqrt(distance_sq(make_thesis_triangle<float>(t[0], t[1], t[2]), narrow(p)));
@@ -103,4 +101,4 @@ TEST(ThesisDistance, TakesDegenerateTriangles) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -4,14 +4,13 @@
 
 import asyncio
 import contextlib
-import os
 import pathlib
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
-from browser import browser  # noqa: E402
-from viewing import MESH, SOFTWARE, expect, failures, served  # noqa: E402
+from browser import browser
+from program import run
+from viewing import MESH, SOFTWARE, expect, failures, served
 
 FLIGHT = ("--labyrinth", "scene:labyrinth:3000", "--speed", "5", "--flies", "6", "--mode", "thesis", "--minimum", "3")
 here = pathlib.Path.cwd()
@@ -93,8 +92,7 @@ async def flights_are_watched(tab, address):
 
 
 async def flights_are_shown_again(tab):
-    done = subprocess.run([os.environ["STANDOFF"], "fly", *FLIGHT, "--steps", "300", "--every", "3", "--json", "-o", "fly.html"], capture_output=True, text=True)
-    expect(done.returncode == 0, f"a flight is recorded: {done.stderr}")
+    done = run("fly", *FLIGHT, "--steps", "300", "--every", "3", "--json", "-o", "fly.html")
     crossings = int(done.stdout.split('"wall_crossings":')[1].split(",")[0])
     await opened(tab, (here / "fly.html").as_uri())
     await until(tab, "viewer.flight && viewer.flight.player", "the flight is there")

@@ -38,11 +38,7 @@ TEST(LiveView, ComputesWhatIsAsked) {
   const DistanceField expected =
       compute(ball_mesh(1, 3), fit_resolution({{-1, -1, -1}, {1, 1, 1}}, 24), kFullField, {.sign = coarse().sign})
           .field;
-  EXPECT_EQ(whole, page_data(PageField{"ball", &expected}, [] {
-              PageOptions options;
-              options.compression = 0;
-              return options;
-            }()));
+  EXPECT_EQ(whole, page_data(PageField{"ball", &expected}, PageOptions{.compression = 0}));
 }
 
 TEST(LiveView, NobodyWaitsForOldFields) {

@@ -8,33 +8,23 @@ import asyncio
 import base64
 import json
 import math
-import os
 import pathlib
-import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
-from browser import browser  # noqa: E402
-from page_pictures import COLORS, COMPARE, DRAWN, WHOLE  # noqa: E402
-from page_tab import Page  # noqa: E402
-from viewing import MESH, SOFTWARE, expect, failures  # noqa: E402
+from browser import browser
+from page_pictures import COLORS, COMPARE, DRAWN, WHOLE
+from page_tab import Page
+from program import run
+from viewing import MESH, SOFTWARE, expect, failures
 
 # Two tetrahedra: with a name that is no harm, and a shifted copy.
 EVIL = "<img src=x onerror=alert(1)>.obj"
 here = pathlib.Path.cwd()
 
 
-def standoff(*arguments):
-    done = subprocess.run([os.environ["STANDOFF"], *arguments], capture_output=True, text=True)
-    if done.returncode != 0:
-        sys.exit(f"standoff {' '.join(arguments)}: {done.stderr}")
-    return done.stdout
-
-
 def true_distance(point):
     """To the tetrahedron, by standoff points."""
-    answer = subprocess.run([os.environ["STANDOFF"], "points", EVIL, "-", "--sign", "auto"], input=",".join(map(str, point)) + "\n",
-                            capture_output=True, text=True)
+    answer = run("points", EVIL, "-", "--sign", "auto", input=",".join(map(str, point)) + "\n")
     return float(answer.stdout.splitlines()[-1].split(",")[0])
 
 
@@ -510,22 +500,22 @@ CONTRAST = """(() => {
 
 async def main():
     (here / EVIL).write_text(MESH)
-    standoff("compute", EVIL, "-r", "40", "--sign", "auto", "-o", "field.nrrd", "--uncompressed")
-    told = json.loads(standoff("view", EVIL, "-r", "40", "--nearest", "--json", "-o", "page.html"))
+    run("compute", EVIL, "-r", "40", "--sign", "auto", "-o", "field.nrrd", "--uncompressed")
+    told = json.loads(run("view", EVIL, "-r", "40", "--nearest", "--json", "-o", "page.html").stdout)
     expect([h["name"] for h in told["holds"]] == [EVIL, f"field of {EVIL}"], "the program says what the page holds")
-    standoff("compute", EVIL, "-r", "30", "--sign", "auto", "-t", "4s", "-o", "band.vti")
-    standoff("view", EVIL, "field.nrrd", "band.vti", "-o", "two.html")
+    run("compute", EVIL, "-r", "30", "--sign", "auto", "-t", "4s", "-o", "band.vti")
+    run("view", EVIL, "field.nrrd", "band.vti", "-o", "two.html")
     head, values = (here / "field.nrrd").read_bytes().split(b"\n\n", 1)
     odd = array.array("f", (math.inf, -math.inf, -3.0))
     (here / "odd.nrrd").write_bytes(head + b"\n\n" + odd.tobytes() + values[12:])
-    standoff("view", "odd.nrrd", "-o", "odd.html")
+    run("view", "odd.nrrd", "-o", "odd.html")
     for name, unit in (("huge", "e30"), ("tiny", "e-30")):
         (here / f"{name}.obj").write_text("".join(f"v {a}{unit} {b}{unit} {c}{unit}\n" for a, b, c in ((0, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1))) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
-        standoff("view", f"{name}.obj", "-r", "20", "-o", f"{name}.html")
+        run("view", f"{name}.obj", "-r", "20", "-o", f"{name}.html")
     for samples in (2000, 3000):
-        standoff("view", EVIL, "--size", f"{samples},24,24", "-t", "0.3", "-o", f"long{samples}.html")
-    standoff("view", EVIL, "--no-field", "-o", "alone.html")
-    standoff("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
+        run("view", EVIL, "--size", f"{samples},24,24", "-t", "0.3", "-o", f"long{samples}.html")
+    run("view", EVIL, "--no-field", "-o", "alone.html")
+    run("view", "scene:one_triangle", "--size", "1,1,1", "-o", "single.html")
     async with browser("file://", *SOFTWARE) as tab:
         page = Page(tab)
         for check in (names_are_text, pointers_and_keys, sliders_and_handles, fingers, pictures_are_saved, values_are_true, data_is_the_programs,

@@ -7,14 +7,13 @@ import os
 import pathlib
 import signal
 import socket
-import subprocess
 import sys
 import time
 import urllib.error
 import urllib.request
 
-sys.path.insert(0, str(pathlib.Path(os.environ["STANDOFF_SOURCE_DIR"]) / "tests" / "support"))
-from viewing import MESH, expect, failures, served  # noqa: E402
+from program import run
+from viewing import MESH, expect, failures, served
 
 here = pathlib.Path.cwd()
 temporary = here / "tmp"
@@ -128,8 +127,7 @@ def main():
         expect(program.wait(30) == 0, "a signal ends it")
     expect(not list(temporary.iterdir()), "nothing is left")
     taken = socket.create_server(("127.0.0.1", 0))
-    done = subprocess.run([os.environ["STANDOFF"], "view", "a.obj", "--port", str(taken.getsockname()[1]), "--no-browser"], capture_output=True, text=True)
-    expect(done.returncode == 2 and "cannot be had" in done.stderr, f"a port that is taken is an error: {done.stderr}")
+    run("view", "a.obj", "--port", taken.getsockname()[1], "--no-browser", code=2, says="cannot be had")
     sys.exit(1 if failures else 0)
 
 

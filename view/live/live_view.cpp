@@ -59,10 +59,7 @@ std::optional<std::string> LiveView::field(const LiveSettings& settings, const s
     subject = subject_;
   }
   auto looked = std::chrono::steady_clock::now();
-  ComputeOptions options;
-  options.sign = settings.sign;
-  options.execution = settings.execution;
-  options.memory_limit = memory_limit_;
+  ComputeOptions options{.sign = settings.sign, .execution = settings.execution, .memory_limit = memory_limit_};
   options.progress = [&](const Progress& progress) {
     {
       const std::lock_guard lock(mutex_);
@@ -97,9 +94,7 @@ std::shared_ptr<const MeshQuery> LiveView::query() {
   SignMethod sign = settings().sign.method;
   if (!find_info(sign)->at_points || sign == SignMethod::shell) sign = SignMethod::automatic;
   if (!query_ || query_version_ != subject.version || query_sign_ != sign) {
-    MeshQueryOptions options;
-    options.sign.method = sign;
-    query_ = std::make_shared<const MeshQuery>(*subject.mesh, options);
+    query_ = std::make_shared<const MeshQuery>(*subject.mesh, MeshQueryOptions{.sign = {.method = sign}});
     query_version_ = subject.version;
     query_sign_ = sign;
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // NPZ: a zip archive of NumPy arrays, one file each.
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <memory>
 #include <optional>

@@ -228,8 +228,7 @@ void write_gzip(AtomicFile& file, const FieldSource& field, const SampleArray& a
 FieldFile read_nrrd(const FileView& file, const FieldRequest& request) {
   const NrrdHeader header = read_nrrd_header(file);
   refuse_unsupported(header);
-  StoredField stored;
-  stored.grid.size = read_sizes(header);
+  StoredField stored{.grid = {.size = read_sizes(header)}};
   read_space(header, stored.grid);
   const NrrdLine& endian = header.get("endian");
   if (endian.text != "little" && endian.text != "big")

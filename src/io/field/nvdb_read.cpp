@@ -2,7 +2,6 @@
 // NVDB: NanoVDB's files, of its ABI 32: a grid of floats whose axes are those of the world. Nothing in the file is
 // trusted: nodes have their place from the path that leads to them, and every offset is checked.
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <set>

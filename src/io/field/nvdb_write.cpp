@@ -12,7 +12,6 @@
 
 #include "core/number_text.h"
 #include "files/text.h"
-#include "io/field/format.h"
 #include "io/field/nvdb_format.h"
 #include "io/field/vdb_tree.h"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // VDB: files of OpenVDB, of versions 222 to 225 (since OpenVDB 3): a float grid whose axes are those of the world.
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>

@@ -2,7 +2,6 @@
 #include "io/field/vdb_tree.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>

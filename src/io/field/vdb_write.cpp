@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/number_text.h"
-#include "io/field/format.h"
 #include "io/field/vdb_format.h"
 #include "io/field/vdb_tree.h"
 

@@ -5,7 +5,6 @@
 #include <memory>
 #include <new>
 #include <string>
-#include <utility>
 
 #include "core/guarded.h"
 #include "core/number_text.h"

@@ -18,7 +18,6 @@
 
 #include "files/file_view.h"
 #include "files/json_view.h"
-#include "files/text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/gltf_data.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // OFF, the Object File Format in text: counts, one vertex per line, one face per line.
-#include <algorithm>
 #include <cctype>
 #include <vector>
 

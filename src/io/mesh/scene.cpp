@@ -3,12 +3,10 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include "core/number_text.h"
 #include "standoff/error.h"
-#include "standoff/mesh.h"
 
 namespace standoff {
 namespace {

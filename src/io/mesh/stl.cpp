@@ -20,7 +20,6 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/format.h"
 #include "io/mesh/writers.h"
-#include "standoff/error.h"
 
 namespace standoff {
 namespace {

@@ -226,10 +226,6 @@ class PlyFile : public CountedRows {
   }
 };
 
-}  // namespace
-
-namespace {
-
 const char* npy_type(CellType type) {
   return type == CellType::number ? "<f8" : type == CellType::triangle ? "<u4" : "|u1";
 }
@@ -300,10 +296,6 @@ class NpzFile : public AnswerWriter {
   std::vector<SpoolFile> arrays_;
   std::int64_t rows_ = 0;
 };
-
-}  // namespace
-
-namespace {
 
 template <class Writer>
 std::unique_ptr<AnswerWriter> create(const std::filesystem::path& path, const AskedAnswers& asked, Existing existing) {

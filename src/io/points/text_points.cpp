@@ -6,11 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/number_text.h"
 #include "files/file_view.h"
 #include "files/text.h"
 #include "io/points/points.h"
-#include "standoff/error.h"
 
 namespace standoff {
 namespace {

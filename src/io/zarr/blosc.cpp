@@ -5,7 +5,6 @@
 #include <blosc.h>
 #endif
 
-#include "files/file_view.h"
 #include "standoff/error.h"
 
 namespace standoff::zarr {

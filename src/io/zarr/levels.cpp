@@ -8,7 +8,6 @@
 #include "core/progress.h"
 #include "core/tile_count.h"
 #include "files/atomic_file.h"
-#include "io/field/tile_content.h"
 #include "io/zarr/metadata.h"
 #include "io/zarr/parts.h"
 #include "io/zarr/windows.h"

@@ -20,7 +20,6 @@
 #include "core/number_text.h"
 #include "files/atomic_folder.h"
 #include "files/json_view.h"
-#include "io/zarr/shard.h"
 #include "standoff/error.h"
 
 namespace standoff::zarr {
@@ -398,8 +397,7 @@ ArrayLayout read_array(const FileView& file) {
   expect_version(json, "array");
   expect_known(json, {"zarr_format", "node_type", "shape", "data_type", "dimension_names", "chunk_grid",
                       "chunk_key_encoding", "fill_value", "codecs", "attributes", "storage_transformers"});
-  ArrayLayout layout;
-  layout.shape = sizes(need(json, "shape"));
+  ArrayLayout layout{.shape = sizes(need(json, "shape"))};
   const Named type = named(need(json, "data_type"));
   layout.whole_numbers = type.name == "uint32";
   if (!layout.whole_numbers && type.name != "float32")
@@ -451,8 +449,7 @@ StoreMetadata read_store(const std::filesystem::path& path, int level) {
     fail_no_store(path, holds(".zgroup") || holds(".zarray")
                             ? "it is a store of version 2 of Zarr, and version 3 is read; write it again in that"
                             : "the folder holds no zarr.json, as every store of Zarr 3 does; check the name");
-  StoreMetadata store;
-  store.path = path;
+  StoreMetadata store{.path = path};
   const FileView top = metadata_in(path);
   const JsonView json = json_of(top);
   std::filesystem::path folder = path;

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,7 +15,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "core/field_error.h"
 #include "core/memory.h"
 #include "core/progress.h"
 #include "core/threads.h"

@@ -4,14 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ranges>
 
 #include "core/field_error.h"
 #include "io/zarr/blosc.h"
-#include "standoff/error.h"
 
 namespace standoff::zarr {
 namespace {

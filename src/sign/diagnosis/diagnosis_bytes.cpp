@@ -25,12 +25,6 @@ namespace {
 // Patches of fewer triangles are sheets, whatever their shape: a tetrahedron without a lid is flat enough for that.
 constexpr std::uint32_t kFewestOfBody = 4;
 
-// The pairs of patches at an edge of so many sides, or of fewer, because copies may be left out (pairs_of()).
-constexpr std::int64_t pairs_at(std::int64_t sides) {
-  constexpr std::int64_t kMany = 8, kMost = kMany * (kMany - 1) / 2;
-  return sides > kMany ? std::max(sides - 1, kMost) : sides * (sides - 1) / 2;
-}
-
 class MeshCounter {
  public:
   MeshCounter(MeshView mesh, int threads)
@@ -99,9 +93,7 @@ class MeshCounter {
     if (size == 1) {
       ++found_.open;
     } else if (size > 2) {
-      ++found_.nonmanifold;
       found_.sides += size;
-      found_.pairs += pairs_at(size);
     } else {
       const bool flipped = sides[0].forward == sides[1].forward;
       found_.inconsistent += flipped;
@@ -159,16 +151,13 @@ std::int64_t MeshCounts::most_boundary(bool as_oriented) const {
 MeshCounts count_mesh(MeshView mesh, int threads) { return MeshCounter(mesh, threads).count(); }
 
 MeshCounts most_counts(std::int64_t triangles, int threads) {
-  constexpr std::int64_t kSides = 9;  // of an edge with the most pairs for each side
   return {.triangles = triangles,
           .vertices = 3 * triangles,
           .positions = 3 * triangles,
           .patches = triangles,
           .bodies = triangles / kFewestOfBody,
           .open = 2 * triangles,
-          .nonmanifold = triangles,
           .sides = 3 * triangles,
-          .pairs = pairs_at(kSides) * (3 * triangles / kSides + 1),
           .inconsistent = 3 * triangles / 2,
           .copies = triangles,
           .orientable = false,
@@ -219,16 +208,13 @@ std::int64_t finding_patches_bytes(const MeshCounts& m) {
 }
 std::int64_t patches_bytes(const MeshCounts& m) { return 5 * m.triangles + most_patches(m); }
 
-// find_pieces(): the piece of each triangle; of each patch its numbers and orientations; where patches meet also their
-// borders, the pairs of them, and the outer hull or what is left out greedily.
+// find_pieces(): the piece of each triangle; of each patch its numbers and orientations; where patches meet also the
+// outer hull of each, and of each side its borders and the pairs of patches, which are taken greedily. Edges of eight
+// sides have the most pairs of patches for each side (pairs_of()): 28.
 std::int64_t finding_pieces_bytes(const MeshCounts& m) {
-  const std::int64_t patches = most_patches(m), of_each = 64;
-  if (m.sides == 0) return patches_bytes(m) + 4 * m.triangles + of_each * patches;
-  const std::int64_t borders = 8 * m.sides + 8 * m.nonmanifold, greedily = 48 * m.pairs,
-                     of_hull = static_cast<std::int64_t>(128 + 5 * sizeof(PartSums)) * patches,
-                     left_out = (24 + 64 + 64) * patches + 48 * m.sides + 24 * m.nonmanifold;
-  return patches_bytes(m) + 4 * m.triangles + of_each * patches + borders + 16 * m.pairs +
-         std::max({greedily, of_hull, left_out});
+  constexpr std::int64_t kOfPatch = 64, kOfHull = 128 + 5 * sizeof(PartSums), kOfBorder = 11, kOfPair = 16 + 48;
+  const std::int64_t meeting = m.sides > 0 ? kOfHull * most_patches(m) + (kOfBorder + kOfPair * 28 / 8) * m.sides : 0;
+  return patches_bytes(m) + 4 * m.triangles + kOfPatch * most_patches(m) + meeting;
 }
 
 // orient_outwards(): the sizes of pieces; if some may be inside others also what find_nesting() takes.
@@ -255,7 +241,7 @@ std::int64_t two_sided_bytes(const MeshCounts& m, std::int64_t boundary) {
 // After the orientation: the boundary and its polygons, and cracks.
 std::int64_t boundary_bytes(std::int64_t boundary) { return (140 + kBoundaryEdgeBytes) * boundary; }
 std::int64_t cracks_bytes(const MeshCounts& m, std::int64_t boundary) {
-  const std::int64_t edges = m.open + m.nonmanifold, points = std::min(2 * edges, m.positions);
+  const std::int64_t edges = m.open + m.sides / 3, points = std::min(2 * edges, m.positions);
   return kBoundaryEdgeBytes * boundary + 4 * m.positions + 12 * edges + 32 * points +
          std::max(76 * points, 12 * m.triangles);
 }

@@ -15,9 +15,7 @@ struct MeshCounts {
   std::int64_t patches = 0;        ///< as long as all copies of triangles are used
   std::int64_t bodies = 0;         ///< patches with enough triangles to enclose something
   std::int64_t open = 0;           ///< edges of one triangle
-  std::int64_t nonmanifold = 0;    ///< edges of more than two
-  std::int64_t sides = 0;          ///< of nonmanifold edges
-  std::int64_t pairs = 0;          ///< of patches that may share a nonmanifold edge (find_pieces), at most
+  std::int64_t sides = 0;          ///< of nonmanifold edges: of more than two
   std::int64_t inconsistent = 0;   ///< edges of two triangles that run along it in the same direction
   std::int64_t copies = 0;         ///< triangles of faces that are there more than once
   std::int64_t opposite = 0;       ///< faces that are there twice, once in each orientation

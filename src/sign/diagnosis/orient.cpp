@@ -118,8 +118,7 @@ std::int64_t patches_in_use(const MeshEdges& edges, const Patches& patches) {
 
 Orientation orient(MeshView mesh, const MeshEdges& edges) {
   const std::size_t triangles = mesh.triangles.size();
-  Orientation found;
-  found.inconsistent_before = inconsistent_edges(edges, {});
+  Orientation found{.inconsistent_before = inconsistent_edges(edges, {})};
 
   // Leave out duplicates.
   Duplicates duplicates = find_duplicates(edges, triangles, {});

@@ -11,7 +11,6 @@
 #include <functional>
 #include <limits>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "bvh/bvh.h"

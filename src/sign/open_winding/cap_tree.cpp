@@ -73,9 +73,7 @@ Moments moments_of(const Rim& rim) {
 }
 
 Moments joined(const Moments& a, const Moments& b) {
-  Moments caps;
-  caps.area = a.area + b.area;
-  caps.total = a.total + b.total;
+  Moments caps{.area = a.area + b.area, .total = a.total + b.total};
   const double share = caps.total > 0 ? b.total / caps.total : 0.5;
   caps.center = a.center + (b.center - a.center) * share;
   for (const Moments* part : {&a, &b}) {

@@ -9,11 +9,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::kInfinity;
-using testing::Random;
 
 // A triangle as the samples of one brick measure it.
 class Measured {
@@ -43,7 +40,7 @@ class Measured {
 void expect_bits_of_all(const Mesh& mesh, const Grid& grid, int step, const std::string& name) {
   const Lattice lattice = make_lattice(grid, kInfinity);
   std::int64_t compared = 0, wrong_values = 0, wrong_nearest = 0;
-  const DistanceField field = testing::computed(mesh, grid, kInfinity).field;
+  const DistanceField field = computed(mesh, grid, kInfinity).field;
   for (std::int64_t bz = 0; bz * kBrickSide < grid.size.z; ++bz)
     for (std::int64_t by = 0; by * kBrickSide < grid.size.y; ++by)
       for (std::int64_t bx = 0; bx * kBrickSide < grid.size.x; ++bx) {
@@ -77,7 +74,7 @@ void add_ball(Mesh& mesh, unsigned seed, int triangles, const Vec3& center, doub
     const Vec3 at = random.in_cube(1), middle = center + at * (radius / length(at));
     const auto corner = [&] { return middle + random.in_cube(radius / 30); };
     const Vec3 a = corner(), b = corner();
-    testing::add_triangle(mesh, a, b, corner());
+    add_triangle(mesh, a, b, corner());
   }
 }
 
@@ -87,7 +84,7 @@ TEST(TilesAfar, AMeshSmallerThanASampleAndAStrayTriangle) {
   for (const double radius : {10.0, 1e-2, 1e-4}) {
     Mesh mesh;
     add_ball(mesh, 1, 1500, {1, 2, 0.5}, radius);
-    testing::add_triangle(mesh, {100, 60, 118}, {100, 60 + radius, 118}, {100 + radius, 60, 118});
+    add_triangle(mesh, {100, 60, 118}, {100, 60 + radius, 118}, {100 + radius, 60, 118});
     expect_bits_of_all(mesh, kAfarGrid, 113, "radius " + std::to_string(radius));
   }
 }
@@ -96,9 +93,9 @@ TEST(TilesAfar, AnyInstructionSet) {
   Mesh mesh;
   add_ball(mesh, 6, 1000, {1, 2, 0.5}, 1e-2);
   const Grid grid{{17, 15, 16}, {-3, -2, -1}, {6.1, 7.3, 7.4}};
-  const DistanceField field = testing::computed(mesh, grid, kInfinity).field;
+  const DistanceField field = computed(mesh, grid, kInfinity).field;
   for (const Simd simd : {Simd::portable, Simd::avx2}) try {
-      testing::expect_same_bits(field, testing::computed(mesh, grid, kInfinity, simd).field);
+      expect_same_bits(field, computed(mesh, grid, kInfinity, simd).field);
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("instruction set"), std::string::npos) << error.what();
     }
@@ -118,7 +115,7 @@ TEST(TilesAfar, TrianglesThatAreNearlyPoints) {
     Mesh mesh;
     for (int n = 0; n < 1500; ++n) {
       const Vec3 at = Vec3{5, 5, 5} + random.in_cube(0.02);
-      testing::add_triangle(mesh, at, at + random.in_cube(side), at + random.in_cube(side));
+      add_triangle(mesh, at, at + random.in_cube(side), at + random.in_cube(side));
     }
     expect_bits_of_all(mesh, kAfarGrid, 113, "side " + std::to_string(side));
   }
@@ -129,10 +126,10 @@ TEST(TilesAfar, OutsideTheGridAndAmongLongTriangles) {
   add_ball(mesh, 4, 2500, {-300, 200, 30}, 0.5);
   Random random(5);
   for (int n = 0; n < 40; ++n)
-    testing::add_triangle(mesh, Vec3{-300, 200, 30} + random.in_cube(40), Vec3{-330, 200, 30} + random.in_cube(40),
-                          Vec3{-300, 240, 30} + random.in_cube(40));
+    add_triangle(mesh, Vec3{-300, 200, 30} + random.in_cube(40), Vec3{-330, 200, 30} + random.in_cube(40),
+                 Vec3{-300, 240, 30} + random.in_cube(40));
   expect_bits_of_all(mesh, kAfarGrid, 113, "outside");
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

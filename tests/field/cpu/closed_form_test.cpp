@@ -10,14 +10,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::computed;
-using testing::for_each_sample;
-using testing::kInfinity;
-using testing::promised_error;
 
 template <class DistanceResult>
 void expect_field(const Mesh& mesh, const Grid& grid, DistanceResult distance) {
@@ -87,7 +81,7 @@ TEST(TilesClosedForm, SphereBetweenItsTrianglesAndItself) {
     for (int turn = 0; turn < kTurns; ++turn) {
       add_quad(mesh, at(ring, turn), at(ring + 1, turn), at(ring + 1, turn + 1), at(ring, turn + 1));
       for (int t = 0; t < 2; ++t)
-        least_radius = std::min(least_radius, testing::reference_distance(mesh, mesh.triangles.size() - 1 - t, Vec3{}));
+        least_radius = std::min(least_radius, reference_distance(mesh, mesh.triangles.size() - 1 - t, Vec3{}));
     }
   ASSERT_GT(least_radius, 0.98 * kRadius);
   const DistanceField field = computed(mesh, kClosedFormGrid, kInfinity).field;
@@ -121,4 +115,4 @@ TEST(TilesClosedForm, OneTriangleInAllOrdersOfItsCorners) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

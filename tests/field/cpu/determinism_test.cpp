@@ -11,21 +11,16 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::computed;
-using testing::expect_same_bits;
-using testing::kInfinity;
 
 // Odd sizes, ties, slivers, long triangles, and enough of them that threads share the work.
 Mesh mixed_mesh(int triangles) {
-  Mesh mesh = testing::nasty_soup(51, 100, 8);
+  Mesh mesh = nasty_soup(51, 100, 8);
   for (const double side : {0.2, 1.0, 30.0}) {
-    const Mesh soup = testing::random_soup(52, side > 10 ? 10 : triangles, 8, side);
+    const Mesh soup = random_soup(52, side > 10 ? 10 : triangles, 8, side);
     for (std::size_t t = 0; t < soup.triangles.size(); ++t)
-      testing::add_triangle(mesh, MeshView(soup).corner(t, 0), MeshView(soup).corner(t, 1),
-                            MeshView(soup).corner(t, 2));
+      add_triangle(mesh, MeshView(soup).corner(t, 0), MeshView(soup).corner(t, 1), MeshView(soup).corner(t, 2));
   }
   return mesh;
 }
@@ -35,7 +30,7 @@ constexpr double kThicknesses[] = {0.9, 2.6, kInfinity};
 
 bool is_supported(Simd simd) {
   try {
-    computed(testing::random_soup(53, 1, 1, 1), {{2, 2, 2}, {0, 0, 0}, {1, 1, 1}}, 1, simd);
+    computed(random_soup(53, 1, 1, 1), {{2, 2, 2}, {0, 0, 0}, {1, 1, 1}}, 1, simd);
     return true;
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::usage);
@@ -81,17 +76,16 @@ TEST(TilesDeterminism, AnyInstructionSet) {
 }
 
 TEST(TilesDeterminism, AnyInstructionSetWhereTilesAreCrowded) {
-  expect_any_instruction_set(testing::crowd(45, 3000), {{13, 11, 9}, {-3, -3, -3}, {0.6, 0.6, 0.6}});
-  expect_any_instruction_set(testing::random_soup(48, 40000, 3, 0.05), {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}});
+  expect_any_instruction_set(crowd(45, 3000), {{13, 11, 9}, {-3, -3, -3}, {0.6, 0.6, 0.6}});
+  expect_any_instruction_set(random_soup(48, 40000, 3, 0.05), {{9, 9, 9}, {-5, -5, -5}, {1.25, 1.25, 1.25}});
 }
 
 TEST(TilesDeterminism, TheOrderOfTrianglesOfACrowd) {
   const Grid grid{{21, 13, 17}, {-6, -3, -5}, {0.6, 0.45, 0.3}};
-  Mesh mesh = testing::crowd(46, 3000);
+  Mesh mesh = crowd(46, 3000);
   const ComputeResult before = computed(mesh, grid, kInfinity);
   std::ranges::reverse(mesh.triangles);
-  EXPECT_TRUE(testing::bits_of(before.field.to_dense()) ==
-              testing::bits_of(computed(mesh, grid, kInfinity).field.to_dense()));
+  EXPECT_TRUE(bits_of(before.field.to_dense()) == bits_of(computed(mesh, grid, kInfinity).field.to_dense()));
 }
 
 TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
@@ -99,13 +93,12 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
   const auto samples = static_cast<std::size_t>(kGrid.sample_count());
   for (const double thickness : kThicknesses) {
     const ComputeResult sparse = computed(mesh, kGrid, thickness);
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.nearest = true;
+    ComputeOptions options{.sign = {SignMethod::none}, .nearest = true};
     std::vector<float> values(samples, std::bit_cast<float>(0xffc0deadu));
     std::vector<std::uint32_t> nearest(samples, 0xdeadbeefu);
     const ComputeReport report = compute_into(mesh, kGrid, thickness, values, nearest, options);
-    EXPECT_TRUE(testing::bits_of(values) == testing::bits_of(sparse.field.to_dense()));
-    EXPECT_TRUE(nearest == testing::all_nearest(sparse.field));
+    EXPECT_TRUE(bits_of(values) == bits_of(sparse.field.to_dense()));
+    EXPECT_TRUE(nearest == all_nearest(sparse.field));
     EXPECT_EQ(report.samples_band, sparse.report.samples_band);
 
     std::vector<float> alone(samples, std::numeric_limits<float>::quiet_NaN());
@@ -118,9 +111,7 @@ TEST(TilesDeterminism, DenseMemoryIsFilledWhateverItHeld) {
 TEST(TilesDeterminism, TheExactSkipRuleChangesNoBit) {
   const Mesh mesh = mixed_mesh(300);
   for (const double thickness : kThicknesses) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.nearest = true;
-    options.skip.kind = SkipRule::Kind::exact;
+    ComputeOptions options{.skip = {.kind = SkipRule::Kind::exact}, .sign = {SignMethod::none}, .nearest = true};
     const ComputeResult skipped = compute(mesh, kGrid, thickness, options);
     EXPECT_GT(skipped.report.skipped, 0);
     expect_same_bits(skipped.field, computed(mesh, kGrid, thickness).field);
@@ -142,4 +133,4 @@ TEST(TilesDeterminism, StoredTilesHoldTheThicknessPastTheGrid) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

@@ -3,18 +3,11 @@
 // labels: memory
 #include <gtest/gtest.h>
 
-#include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::expect_exact;
-using testing::kInfinity;
-using testing::nasty_soup;
-using testing::random_soup;
 
 // Thicknesses in spacings: up to four, triangles are binned into bricks; beyond, they pass down from coarse cells.
 void expect_exact_at_all_thicknesses(const Mesh& mesh, const Grid& grid) {
@@ -69,7 +62,7 @@ TEST(TilesExact, DegenerateAndRepeatedTriangles) {
 }
 
 TEST(TilesExact, ManySmallDegenerateTrianglesOnSamples) {
-  testing::Random random(50);
+  Random random(50);
   Mesh mesh;
   for (int n = 0; n < 600; ++n) {
     const Vec3 at = random.in_cube(9);
@@ -84,7 +77,7 @@ TEST(TilesExact, ManySmallDegenerateTrianglesOnSamples) {
 }
 
 TEST(TilesExact, Slivers) {
-  testing::Random random(20);
+  Random random(20);
   for (const double length : {3.0, 12.0, 200.0}) {
     Mesh mesh;
     for (int n = 0; n < 24; ++n) {
@@ -151,4 +144,4 @@ TEST(TilesExact, PortableKernels) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

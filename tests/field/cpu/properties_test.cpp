@@ -11,17 +11,8 @@
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
-namespace standoff {
+namespace standoff::testing {
 namespace {
-
-using testing::add_triangle;
-using testing::computed;
-using testing::crowd;
-using testing::expect_same_bits;
-using testing::for_each_sample;
-using testing::kInfinity;
-using testing::promised_error;
-using testing::random_soup;
 
 const Grid kPropertyGrid{{32, 16, 48}, {-7.75, -3.75, -11.75}, {0.5, 0.5, 0.5}};
 constexpr double kThicknesses[] = {1.7, 3.1, kInfinity};
@@ -70,18 +61,18 @@ TEST(TilesProperties, NeighbouringSamplesDifferByTheirDistanceAtMost) {
 }
 
 TEST(TilesProperties, TheOrderOfTrianglesDoesNotChangeABit) {
-  Mesh mesh = testing::nasty_soup(32, 60, 6);
+  Mesh mesh = nasty_soup(32, 60, 6);
   const Mesh soup = random_soup(33, 200, 7, 1);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     add_triangle(mesh, MeshView(soup).corner(t, 0), MeshView(soup).corner(t, 1), MeshView(soup).corner(t, 2));
   Mesh shuffled = mesh;
-  testing::Random random(34);
+  Random random(34);
   for (std::size_t n = mesh.triangles.size(); n > 1; --n)
     std::swap(shuffled.triangles[n - 1], shuffled.triangles[random.below(static_cast<std::uint32_t>(n))]);
   for (const double thickness : kThicknesses) {
     const auto a = computed(mesh, kPropertyGrid, thickness).field.to_dense();
     const auto b = computed(shuffled, kPropertyGrid, thickness).field.to_dense();
-    EXPECT_TRUE(testing::bits_of(a) == testing::bits_of(b)) << thickness;
+    EXPECT_TRUE(bits_of(a) == bits_of(b)) << thickness;
   }
 }
 
@@ -97,7 +88,7 @@ TEST(TilesProperties, TiesGoToTheLowestTriangle) {
     first[t] =
         static_cast<std::uint32_t>(std::ranges::find(mesh.triangles, mesh.triangles[t]) - mesh.triangles.begin());
   for (const double thickness : kThicknesses)
-    for (const std::uint32_t nearest : testing::all_nearest(computed(mesh, kPropertyGrid, thickness).field))
+    for (const std::uint32_t nearest : all_nearest(computed(mesh, kPropertyGrid, thickness).field))
       ASSERT_TRUE(nearest == kNoTriangle || nearest == first[nearest]) << nearest;
 }
 
@@ -152,8 +143,8 @@ TEST(TilesProperties, PowersOfTwoScaleExactly) {
       const ComputeResult a = computed(mesh, kPropertyGrid, thickness), b = computed(large, grid, thickness * scale);
       std::vector<float> expected = a.field.to_dense();
       for (float& value : expected) value *= static_cast<float>(scale);
-      EXPECT_TRUE(testing::bits_of(expected) == testing::bits_of(b.field.to_dense())) << scale << ' ' << thickness;
-      EXPECT_TRUE(testing::all_nearest(a.field) == testing::all_nearest(b.field));
+      EXPECT_TRUE(bits_of(expected) == bits_of(b.field.to_dense())) << scale << ' ' << thickness;
+      EXPECT_TRUE(all_nearest(a.field) == all_nearest(b.field));
     }
   }
 }
@@ -258,7 +249,7 @@ TEST(TilesProperties, ALongTriangleDoesNotMakeBlocksLookAtMore) {
 TEST(TilesProperties, CrowdedTilesLoseNothing) {
   // More triangles per cell than a table holds, and some as long as the grid among the small ones.
   Mesh mesh = crowd(43, 6000);
-  testing::Random random(44);
+  Random random(44);
   for (int n = 0; n < 10; ++n) add_triangle(mesh, random.in_cube(9), random.in_cube(9), random.in_cube(9));
   const Grid grids[] = {{{12, 11, 10}, {-3, -3, -3}, {0.6, 0.6, 0.6}},
                         {{9, 17, 5}, {-2, -6, -4}, {0.5, 0.7, 1.9}},
@@ -268,4 +259,4 @@ TEST(TilesProperties, CrowdedTilesLoseNothing) {
 }
 
 }  // namespace
-}  // namespace standoff
+}  // namespace standoff::testing

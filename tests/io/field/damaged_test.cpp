@@ -5,7 +5,6 @@
 
 #include <cstring>
 #include <random>
-#include <stdexcept>
 
 #include "files/deflate.h"
 #include "io/field/format.h"

@@ -5,7 +5,6 @@
 #if __has_include(<nanovdb/NanoVDB.h>)
 #define NANOVDB_USE_ZIP 1
 #include <nanovdb/NanoVDB.h>
-#include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/GridValidator.h>
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/Primitives.h>

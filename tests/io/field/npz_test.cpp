@@ -6,7 +6,6 @@
 #include <map>
 
 #include "files/zip.h"
-#include "io/field/format.h"
 #include "io/field/npy.h"
 #include "odd_field.h"
 #include "tests/support/expect_error.h"

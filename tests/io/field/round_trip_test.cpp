@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 #include <vector>
 
 #include "io/field/write_samples.h"
@@ -105,8 +104,7 @@ TEST_P(EveryFieldFormat, KeepsNearestTrianglesOrSaysThatItCannot) {
 // Samples as far from the plane as the thickness lie in the band: here they are all that the upper tiles hold.
 TEST_P(EveryFieldFormat, KeepsTilesWhoseLeastValueIsTheThickness) {
   const Mesh plane{{{-1, -1, 7}, {17, -1, 7}, {-1, 17, 7}, {17, 17, 7}}, {{0, 1, 2}, {1, 3, 2}}};
-  ComputeOptions options{.sign = {SignMethod::none}};
-  options.nearest = GetParam().nearest;
+  ComputeOptions options{.sign = {SignMethod::none}, .nearest = GetParam().nearest};
   const DistanceField field = compute(plane, {{16, 16, 16}, {}, {1, 1, 1}}, 1, options).field;
   ASSERT_EQ(field.stored_tiles(), 8);
   ASSERT_EQ(field.value(3, 4, 8), 1);

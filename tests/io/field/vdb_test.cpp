@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "odd_field.h"
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
 #include "tests/support/paths.h"

@@ -9,7 +9,6 @@
 
 #include "standoff/io.h"
 #include "tests/support/expect_error.h"
-#include "tests/support/paths.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {

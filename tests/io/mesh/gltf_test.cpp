@@ -8,7 +8,6 @@
 
 #include "standoff/io.h"
 #include "tests/io/mesh/gltf_document.h"
-#include "tests/support/expect_error.h"
 #include "tests/support/temp_folder.h"
 
 namespace standoff {

@@ -6,16 +6,12 @@ specifications, and holds the mesh that the OBJ file beside it holds."""
 import json
 import os
 import struct
-import subprocess
 import xml.etree.ElementTree as ElementTree
 import zipfile
 
-STANDOFF = os.environ["STANDOFF"]
+from program import run
+
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-
-
-def run(*arguments):
-    subprocess.run([STANDOFF, *arguments, "-q"], check=True)
 
 
 def obj(path):
@@ -122,8 +118,7 @@ assert threemf("unit.3mf")[1] == z_up([tuple(c * 0.01 for c in vertex) for verte
 
 
 def refused(words, *arguments):
-    ran = subprocess.run([STANDOFF, *arguments], capture_output=True, text=True)
-    assert ran.returncode == 4 and words in ran.stderr, ran
+    run(*arguments, code=4, says=words)
 
 
 # What a format cannot hold is an error, and leaves no file.

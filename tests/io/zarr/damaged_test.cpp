@@ -5,8 +5,6 @@
 
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <bit>
 #include <cstring>
 #include <random>
 #include <vector>

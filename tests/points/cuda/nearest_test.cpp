@@ -11,6 +11,7 @@
 #include "standoff/error.h"
 #include "standoff/points.h"
 #include "standoff/testing/emulation.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/error_code.h"
 #include "tests/support/random_mesh.h"
 
@@ -59,11 +60,6 @@ void expect_as_cpu(const Mesh& mesh, const SignOptions& sign = {}, int count = 4
                  a.triangle != b.triangle || !(a.point == b.point) || a.feature != b.feature;
   }
   EXPECT_EQ(different, 0);
-}
-
-Mesh moved(Mesh mesh, Vec3 by, double scale = 1) {
-  for (Vec3& v : mesh.vertices) v = v * scale + by;
-  return mesh;
 }
 
 // Needles and blades: their width is lost in rounding.

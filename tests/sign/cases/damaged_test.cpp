@@ -4,8 +4,6 @@
 // solid angles tells the side.
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
 

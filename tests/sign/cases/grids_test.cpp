@@ -3,8 +3,6 @@
 // smaller than the mesh, of one sample; and samples next to a face by one step of a double.
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "standoff/testing/emulation.h"
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
@@ -157,10 +155,7 @@ TEST(GridCases, SamplesNextToASlantedFace) {
 TEST(GridCases, WhereverTheWorkRuns) {
   const Grid grid = grid_around(kBall, 27);
   const auto values = [&](const Mesh& mesh, const SignOptions& sign, const Execution& execution) {
-    ComputeOptions options{.sign = {SignMethod::none}};
-    options.sign = sign;
-    options.execution = execution;
-    return bits_of(compute(mesh, grid, 0.2, options).field.to_dense());
+    return bits_of(compute(mesh, grid, 0.2, {.sign = sign, .execution = execution}).field.to_dense());
   };
   for_each_ball(kAll, [&](const Mesh& mesh, const SignOptions& sign) {
     const auto first = values(mesh, sign, {.threads = 1});

@@ -2,11 +2,8 @@
 // Solids in solids, across each other and through themselves: which samples are inside follows from formulas.
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
-#include "tests/support/expect_error.h"
 #include "tests/support/sanitized.h"
 
 namespace standoff {
@@ -20,12 +17,7 @@ constexpr SignOptions by_rule(WindingRule rule) { return {.method = SignMethod::
 // + |z| is exact.
 Mesh shells(int count, bool alternate) {
   Mesh mesh;
-  for (int n = 1; n <= count; ++n) {
-    const Mesh one = octahedron(n, alternate && (count - n) % 2 != 0);
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), one.vertices.begin(), one.vertices.end());
-    for (const Triangle& t : one.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
+  for (int n = 1; n <= count; ++n) append(mesh, octahedron(n, alternate && (count - n) % 2 != 0));
   return mesh;
 }
 

@@ -57,7 +57,7 @@ TEST(OrientationCases, SolidsOfUnorientedTriangles) {
       SCOPED_TRACE(seed);
       std::int64_t turned = 0;
       Mesh mesh = shuffled(randomly_turned(whole, seed, turned), seed);
-      if (seed % 2 == 0) mesh = loose(mesh);
+      if (seed % 2 == 0) mesh = unwelded(mesh);
       const std::uint64_t before = content_hash(mesh);
       for (const SignOptions& sign : {kWinding, kAutomatic}) {
         const SignReport report = expect_sides(mesh, grid, sign, known);
@@ -120,7 +120,7 @@ TEST(OrientationCases, PatchesThatMeetInThrees) {
 TEST(OrientationCases, PatchesThatLookAtRandom) {
   const Mesh ball = sphere(10);
   for (unsigned seed = 0; seed < 4; ++seed) {
-    Mesh mesh = loose(ball);
+    Mesh mesh = unwelded(ball);
     std::int64_t turned = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const Vec3 p = ball.vertices[ball.triangles[t][0]];

@@ -6,7 +6,6 @@
 
 #include "tests/sign/cases/known_sides.h"
 #include "tests/sign/cases/solids.h"
-#include "tests/support/expect_error.h"
 
 namespace standoff {
 namespace {

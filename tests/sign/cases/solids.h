@@ -40,19 +40,9 @@ inline Mesh prism(const std::vector<std::pair<double, double>>& polygon) {
   return mesh;
 }
 
-/// Each triangle gets vertices of its own.
-inline Mesh loose(const Mesh& mesh) {
-  Mesh apart;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto [a, b, c] = MeshView(mesh).corners(t);
-    add_triangle(apart, a, b, c);
-  }
-  return apart;
-}
-
 /// Each triangle's corners are moved by themselves, by up to `far` along each axis: neighbours no longer meet.
 inline Mesh cracked(const Mesh& mesh, double far, unsigned seed) {
-  Mesh apart = loose(mesh);
+  Mesh apart = unwelded(mesh);
   Random random(seed);
   for (Vec3& v : apart.vertices) v = v + random.in_cube(far);
   return apart;
@@ -60,7 +50,7 @@ inline Mesh cracked(const Mesh& mesh, double far, unsigned seed) {
 
 /// The same as a file of floats gives it, whose writer rounded each corner by itself: to the float below or above.
 inline Mesh cracked_floats(const Mesh& mesh, unsigned seed) {
-  Mesh apart = loose(mesh);
+  Mesh apart = unwelded(mesh);
   Random random(seed);
   const auto near = [&](double x) {
     const auto rounded = static_cast<float>(x);
