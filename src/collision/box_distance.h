@@ -14,6 +14,9 @@
 
 namespace standoff::collision {
 
+/// In place of a length of zero.
+inline constexpr float kLeastLength = std::numeric_limits<float>::min();
+
 template <class F>
 STANDOFF_INLINE F along(const Triple<F>& p, const float (&axis)[3]) {
   return p.x * F(axis[0]) + p.y * F(axis[1]) + p.z * F(axis[2]);
@@ -57,7 +60,7 @@ STANDOFF_INLINE F box_distance_sq(const OrientedBoxes<F>& boxes, const Obb& box,
   }
   // Along the line of centers, times its length. The order of operations keeps the fourth power of a length out.
   const F length_sq = plain_dot(offset, offset), gap = max(length_sq - reach, F(0));
-  const F of_line = gap / max(length_sq, F(std::numeric_limits<float>::min())) * gap;
+  const F of_line = gap / max(length_sq, F(kLeastLength)) * gap;
   F best = max(max(of_theirs, of_box), of_line);
   if (axes) {
     F of_axes(0);

@@ -9,11 +9,13 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "collision/close_pairs.h"
 #include "collision/collide.h"
+#include "collision/distance.h"
 #include "collision/gap_proof.h"
 #include "collision/node_pairs.h"
 #include "core/guarded.h"
@@ -76,8 +78,7 @@ class DistanceSearch {
   double lower() const { return lower_; }
   bool finished() const { return is_finished_; }
   bool found() const { return found_; }
-  Vec3 on_target, on_probe;                   ///< the closest points
-  std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
+  const NearestPair& nearest() const { return nearest_; }
 
  private:
   static constexpr int kDescents = 2;
@@ -232,20 +233,20 @@ class DistanceSearch {
         [&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p, Vec3 of_q) {
           near_ties_ += distance_sq <= near_sq_;
           if (distance_sq >= best_sq_) {
-            const bool precedes = std::pair(target_index, probe_index) < std::pair(of_target, of_probe);
+            const bool precedes =
+                std::pair(target_index, probe_index) < std::pair(nearest_.of_target, nearest_.of_probe);
             if (!found_ || distance_sq > best_sq_ || !precedes) return;
           }
           nearer = nearer || distance_sq < best_sq_;
           best_sq_ = distance_sq;
-          on_target = of_p, on_probe = of_q;
-          of_target = target_index, of_probe = probe_index;
+          nearest_ = {target_index, probe_index, of_p, of_q};
           found_ = true;
         });
     if (!nearer) return;
     best_ = std::sqrt(best_sq_);
     count_ties();
     lower_reach();
-    best_axes_ = perpendicular_axes(triple_of(rotate_back(pair_.frame, on_probe - on_target)));
+    best_axes_ = perpendicular_axes(triple_of(rotate_back(pair_.frame, nearest_.on_probe - nearest_.on_target)));
     nodes_.set_axes(leaf_axes(to_target_, best_axes_, {}));
   }
 
@@ -270,7 +271,7 @@ class DistanceSearch {
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
     const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
-    for (const Vec3& direction : proof().directions(of_target, of_probe)) {
+    for (const Vec3& direction : proof().directions(nearest_.of_target, nearest_.of_probe)) {
       if (is_settled_) return;
       steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
       is_settled_ = proof().by_corners(direction, tolerance_);
@@ -279,16 +280,17 @@ class DistanceSearch {
 
   // The same by the boxes of both bodies alone, which costs nothing.
   void prove_by_boxes() {
-    for (const Vec3& direction : proof().directions(of_target, of_probe))
+    for (const Vec3& direction : proof().directions(nearest_.of_target, nearest_.of_probe))
       is_settled_ = is_settled_ || proof().by_boxes(direction, tolerance_);
   }
 
-  GapProof proof() const { return {pair_, on_target, on_probe, best_}; }
+  GapProof proof() const { return {pair_, nearest_.on_target, nearest_.on_probe, best_}; }
 
   const QueryPair& pair_;
   NodePairs nodes_;
   const DoubleTransform to_target_;
   const double node_slack_, tolerance_;
+  NearestPair nearest_{};
   double best_, best_sq_, wanted_ = 0, lower_ = 0;
   float reach_ = 0, reach_sq_ = 0;
   bool found_ = false, is_settled_ = false, is_finished_ = true;
@@ -309,43 +311,51 @@ bool may_begin_with(const DistanceState& state, const QueryPair& pair, const Dis
          options.tolerance == 0 && options.max_steps == 0;
 }
 
-DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+}  // namespace
+
+DistanceResult result_of(const QueryPair& pair, const NearestPair& nearest, double lower, double upper) {
+  const TrianglesOfBoth triangles = pair.triangles_of(nearest.of_target, nearest.of_probe);
+  const auto& [on_a, on_b] = pair.swapped ? std::tie(nearest.on_probe, nearest.on_target)
+                                          : std::tie(nearest.on_target, nearest.on_probe);
+  return {lower, upper, on_a, on_b, triangles.a, triangles.b};
+}
+
+DistanceResult beyond(double limit) {
+  return {.lower = limit, .upper = std::numeric_limits<double>::infinity(), .point_a = {}, .point_b = {}};
+}
+
+DistanceResult distance_exactly(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                 const DistanceOptions& options, const Kernels& kernels, DistanceState& state) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
-  DistanceResult result;
   Steps steps(options.max_steps);
-  std::uint32_t of_target = 0, of_probe = 0;
-  Vec3 on_target, on_probe;
-  if (const auto intersecting = find_intersecting_pair(pair, 0, steps)) {
-    of_target = intersecting->of_target, of_probe = intersecting->of_probe;
-    on_target = on_probe = common_point(pair.target.world(of_target), pair.probe.world(of_probe));
-  } else {
-    const bool may_intersect = steps.are_spent();
-    std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
-    if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
-      search.emplace(pair, options, steps);
-      search->run();
-    }
-    result.finished = search->finished() && !may_intersect;
-    if (!search->found()) {
-      result.lower = result.finished ? options.limit : may_intersect ? 0 : search->lower();
-      result.upper = std::numeric_limits<double>::infinity();
-      return result;
-    }
-    of_target = search->of_target, of_probe = search->of_probe;
-    on_target = search->on_target, on_probe = search->on_probe;
-    result.upper = search->best();
-    result.lower = result.finished ? std::max(0.0, result.upper - options.tolerance)
-                   : may_intersect ? 0
-                                   : std::min(search->lower(), result.upper);
+  if (const auto found = find_intersecting_pair(pair, 0, steps)) {
+    const Vec3 point = common_point(pair.target.world(found->of_target), pair.probe.world(found->of_probe));
+    state = {found->of_target, found->of_probe, 0};
+    return result_of(pair, {found->of_target, found->of_probe, point, point}, 0, 0);
   }
-  state = {of_target, of_probe, result.upper};
-  if (pair.swapped) std::swap(on_target, on_probe);
-  result.point_a = on_target, result.point_b = on_probe;
-  const TrianglesOfBoth triangles = pair.triangles_of(of_target, of_probe);
-  result.triangle_a = triangles.a, result.triangle_b = triangles.b;
+  const bool may_intersect = steps.are_spent();
+  std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
+  if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
+    search.emplace(pair, options, steps);
+    search->run();
+  }
+  const bool finished = search->finished() && !may_intersect;
+  const double proven = may_intersect ? 0 : search->lower();
+  if (!search->found()) {
+    DistanceResult result = beyond(finished ? options.limit : proven);
+    result.finished = finished;
+    return result;
+  }
+  const double upper = search->best();
+  const NearestPair& nearest = search->nearest();
+  state = {nearest.of_target, nearest.of_probe, upper};
+  DistanceResult result = result_of(
+      pair, nearest, finished ? std::max(0.0, upper - options.tolerance) : std::min(proven, upper), upper);
+  result.finished = finished;
   return result;
 }
+
+namespace {
 
 void check(const DistanceOptions& options) {
   if (!(options.tolerance >= 0) || !(options.limit >= 0) || !std::isfinite(options.tolerance))
@@ -370,7 +380,7 @@ DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const 
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  return collision::distance_checked(a, pose_a, b, pose_b, options, collision::best_kernels(), state);
+  return collision::distance_exactly(a, pose_a, b, pose_b, options, collision::best_kernels(), state);
 } catch (...) {
   throw_as_error("distance");
 }
@@ -379,16 +389,25 @@ BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, cons
                                          std::span<const Pose> poses_b, const DistanceOptions& options,
                                          const Execution& execution) try {
   collision::check(options);
-  validate("distance", execution, Runs::on_the_cpu);
+  const bool bounded = options.tolerance != 0 || options.max_steps != 0;
+  validate(bounded ? "distance: with a tolerance or most steps" : "distance", execution,
+           bounded ? Runs::on_the_cpu : Runs::everywhere);
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "distance");
+  const collision::DeviceRow* const row =
+      collision::find_device(bounded ? Backend::cpu : execution.backend, poses_b.size());
+  BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
+  if (row) {
+    auto results = collision::distance_on_device(*row, a, pose_a, b, poses_b, options.limit, execution, report);
+    return {std::move(results), std::move(report)};
+  }
   // Poses that follow each other are often near each other.
   tbb::enumerable_thread_specific<DistanceState> states;
   auto results = collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels, states.local());
+    return collision::distance_exactly(a, pose_a, b, poses_b[n], options, kernels, states.local());
   });
-  return {std::move(results), {.backend = "cpu", .device = {}}};
+  return {std::move(results), std::move(report)};
 } catch (...) {
   throw_as_error("distance");
 }

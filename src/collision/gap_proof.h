@@ -14,13 +14,6 @@
 
 namespace standoff::collision {
 
-/// Pairs about as near as the best one that are measured before a proof by corners is tried, which visits all corners
-/// of both bodies.
-inline constexpr std::int64_t kWorthAProof = 4096;
-/// Pairs within so many times the difference that a proof allows are counted where a search must know that no proof was
-/// tried which could have succeeded: such a proof's pairs are within two, and rounding.
-inline constexpr double kTies = 3;
-
 /// What bounds of pairs of nodes may be off by, in world units.
 inline double node_slack(const QueryPair& pair) {
   return kNodePairSlack * (pair.target.body->radius + pair.probe.body->radius) + pair.pose_slack;
@@ -52,16 +45,17 @@ struct GapProof {
 
   /// Whether such a proof could succeed along any direction n, from any pair, if this pair is the nearest. Then n is
   /// nearly its direction u: its points are in the boxes, so n.u >= 1 - error / distance, and |n - u|^2 <= 2 * error /
-  /// distance. A gap along u is less than along n by no more than |n - u| times the extent of the boxes, which is at
-  /// most twice that of the bodies.
+  /// distance. From a corner of one box to a corner of the other it is distance * u + w, where w is at most four times
+  /// the radii of both bodies. Along u that is less than along n by at most |n - u| |w|, as u.u >= u.n: so is the gap.
   bool boxes_may_prove() const { return may_prove(gap_of_boxes(axes_about(on_probe - on_target)[0])); }
   bool corners_may_prove() const { return may_prove(gap_of_corners(axes_about(on_probe - on_target)[0])); }
 
  private:
-  double extent() const { return distance + 2 * (pair.target.body->radius + pair.probe.body->radius); }
+  double radii() const { return pair.target.body->radius + pair.probe.body->radius; }
+  double extent() const { return distance + 2 * radii(); }
   bool may_prove(double gap) const {
     const double error = 4 * kGapRounding * extent(), turned = 4 * std::sqrt(error / distance);
-    return !(gap < distance - error - turned * extent());
+    return !(gap < distance - error - turned * 4 * radii());
   }
 
   double gap_of_boxes(const Vec3& direction) const {
