@@ -319,6 +319,7 @@ def distance_between(
     limit: float = float("inf"),
     max_steps: int = 0,
     threads: int = 0,
+    device: str = "auto",
     progress: Progress = None,
 ) -> Distances:
     """The least distance between the surfaces of two bodies, as they lie or for many poses of b.
@@ -329,10 +330,11 @@ def distance_between(
         limit: the search stops at this distance, world units.
         max_steps: about the most steps of a pose, pairs of BVH nodes or of triangles; a search that needs more is not
             finished and returns bounds. 0: no limit.
-        threads, progress: as for `field`.
+        threads, device, progress: as for `field`. A GPU takes neither a tolerance nor ``max_steps``.
 
     Raises:
-        UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``.
+        UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``; a tolerance or
+            ``max_steps`` on a GPU.
     """
     body_a, body_b = _both(a, b)
     p = _Poses(_UNMOVED if poses is None else poses, "poses")
@@ -345,7 +347,7 @@ def distance_between(
             number(tolerance, "tolerance"),
             number(limit, "limit"),
             whole_number(max_steps, "max_steps"),
-            threads_of(threads),
+            *runs_on(threads, device),
             report,
         )
     triangles = _triangles(triangle_a, triangle_b)

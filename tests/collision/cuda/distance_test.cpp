@@ -193,8 +193,9 @@ TEST(CudaDistance, ScenesAndSmallProbes) {
   for (Pose& pose : poses)
     pose.translation = box.center() + Vec3{random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(0, 1)} *
                                           box.extent();
-  expect_decided(expect_as_cpu(maze, {}, fly, poses), 60);
-  expect_decided(expect_as_cpu(maze, {}, speck, poses), 60);
+  // Above the walls a plane separates the bodies, which the CPU takes for a proof.
+  EXPECT_GT(expect_as_cpu(maze, {}, fly, poses).report.on_device, 30);
+  EXPECT_GT(expect_as_cpu(maze, {}, speck, poses).report.on_device, 30);
 }
 
 TEST(CudaDistance, FarFromTheOriginAndInOtherUnits) {
