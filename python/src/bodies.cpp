@@ -57,8 +57,8 @@ nb::tuple collide_poses(const Body& a, const PoseInput& pose_a, const Body& b, c
 
 // lower, upper, point_a, point_b, triangle_a, triangle_b, finished
 nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& poses,
-                         double tolerance, double limit, std::int64_t max_steps, int threads,
-                         const std::string& device, const nb::object& progress) {
+                         double tolerance, double limit, std::int64_t max_steps, int threads, const std::string& device,
+                         const nb::object& progress) {
   const std::size_t count = poses.shape(0);
   NewArray<std::uint8_t> finished({count});
   NewArray<double> lower({count}), upper({count}), point_a({count, 3}), point_b({count, 3});

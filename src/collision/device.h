@@ -84,7 +84,7 @@ struct DistanceAnswer {
 /// The sizes of lists. The answers do not depend on them, but for overflows; tests take fewer.
 struct DistanceLists {
   int stack = kDeviceStack;
-  int turn = 64;                               ///< node pairs that a warp opens before it hands over what waits
+  int turn = 64;                                  ///< node pairs that a warp opens before it hands over what waits
   std::uint32_t handed = std::uint32_t{1} << 18;  ///< node pairs that wait for other warps
   std::uint32_t found = std::uint32_t{1} << 16;   ///< pairs that warps have found, besides one for each pose
 };

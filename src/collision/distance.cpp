@@ -229,19 +229,18 @@ class DistanceSearch {
   // Of pairs that are equally near, the first one counts: by its triangles, the target's before the probe's.
   void measure() {
     bool nearer = false;
-    batch_.measure(
-        [&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p, Vec3 of_q) {
-          near_ties_ += distance_sq <= near_sq_;
-          if (distance_sq >= best_sq_) {
-            const bool precedes =
-                std::pair(target_index, probe_index) < std::pair(nearest_.of_target, nearest_.of_probe);
-            if (!found_ || distance_sq > best_sq_ || !precedes) return;
-          }
-          nearer = nearer || distance_sq < best_sq_;
-          best_sq_ = distance_sq;
-          nearest_ = {target_index, probe_index, of_p, of_q};
-          found_ = true;
-        });
+    batch_.measure([&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p,
+                       Vec3 of_q) {
+      near_ties_ += distance_sq <= near_sq_;
+      if (distance_sq >= best_sq_) {
+        const bool precedes = std::pair(target_index, probe_index) < std::pair(nearest_.of_target, nearest_.of_probe);
+        if (!found_ || distance_sq > best_sq_ || !precedes) return;
+      }
+      nearer = nearer || distance_sq < best_sq_;
+      best_sq_ = distance_sq;
+      nearest_ = {target_index, probe_index, of_p, of_q};
+      found_ = true;
+    });
     if (!nearer) return;
     best_ = std::sqrt(best_sq_);
     count_ties();
@@ -315,8 +314,8 @@ bool may_begin_with(const DistanceState& state, const QueryPair& pair, const Dis
 
 DistanceResult result_of(const QueryPair& pair, const NearestPair& nearest, double lower, double upper) {
   const TrianglesOfBoth triangles = pair.triangles_of(nearest.of_target, nearest.of_probe);
-  const auto& [on_a, on_b] = pair.swapped ? std::tie(nearest.on_probe, nearest.on_target)
-                                          : std::tie(nearest.on_target, nearest.on_probe);
+  const auto& [on_a, on_b] =
+      pair.swapped ? std::tie(nearest.on_probe, nearest.on_target) : std::tie(nearest.on_target, nearest.on_probe);
   return {lower, upper, on_a, on_b, triangles.a, triangles.b};
 }
 
@@ -349,8 +348,8 @@ DistanceResult distance_exactly(const Body& a, const Pose& pose_a, const Body& b
   const double upper = search->best();
   const NearestPair& nearest = search->nearest();
   state = {nearest.of_target, nearest.of_probe, upper};
-  DistanceResult result = result_of(
-      pair, nearest, finished ? std::max(0.0, upper - options.tolerance) : std::min(proven, upper), upper);
+  DistanceResult result =
+      result_of(pair, nearest, finished ? std::max(0.0, upper - options.tolerance) : std::min(proven, upper), upper);
   result.finished = finished;
   return result;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The proof that no pair of triangles is nearer than a given one: a plane that keeps the bodies as far apart. Many pairs
-// may be about equally near, for example between two plates, and no bound in single precision drops them.
+// The proof that no pair of triangles is nearer than a given one: a plane that keeps the bodies as far apart. Many
+// pairs may be about equally near, for example between two plates, and no bound in single precision drops them.
 #pragma once
 
 #include <algorithm>

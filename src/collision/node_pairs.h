@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "collision/box_distance.h"
+#include "collision/near_bounds.h"
 #include "collision/query_pair.h"
 #include "core/threads.h"
 
@@ -55,8 +55,7 @@ class NodePairs {
   int open(const NodePair& nodes, float most_sq, std::array<NodePair, kLanes>& children) const {
     const Obb of_target = target_.box_of(nodes.target_level, nodes.target),
               of_probe = probe_.box_of(nodes.probe_level, nodes.probe);
-    const bool opens_target =
-        collision::opens_target(nodes.target_level, of_target, nodes.probe_level, of_probe);
+    const bool opens_target = collision::opens_target(nodes.target_level, of_target, nodes.probe_level, of_probe);
     const BodyBvh& bvh = opens_target ? target_ : probe_;
     const int level = opens_target ? nodes.target_level : nodes.probe_level;
     const std::uint32_t number = opens_target ? nodes.target : nodes.probe;

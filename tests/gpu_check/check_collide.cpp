@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gpu-check, collisions and points: poses decided, distances measured, motions swept and nearest triangles found on this
-// machine's GPU, and the thesis's animation, against the CPU's answers.
+// gpu-check, collisions and points: poses decided, distances measured, motions swept and nearest triangles found on
+// this machine's GPU, and the thesis's animation, against the CPU's answers.
 //
 // check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.
 // --emulated checks the check: the emulation takes the GPU's part, and no GPU is needed.
@@ -108,8 +108,12 @@ int run_distances(const Case& c, Backend backend, int count) {
 
 // Surfaces that run side by side: a single pose keeps all warps busy.
 int run_shells(Backend backend, std::int64_t triangles) {
-  const Case c{"nested shells", bench::make_conforming("shell:1", triangles),
-               bench::make_conforming("shell:0.97", triangles), {}, 0, false};
+  const Case c{"nested shells",
+               bench::make_conforming("shell:1", triangles),
+               bench::make_conforming("shell:0.97", triangles),
+               {},
+               0,
+               false};
   testing::Random random(91);
   std::vector<Pose> poses;
   for (int n = 0; n < 3; ++n) {

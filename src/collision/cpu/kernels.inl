@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "bvh/overlapping.inl"
+#include "collision/body/box_distance.h"
 #include "collision/body/kernel_data.h"
-#include "collision/box_distance.h"
 #include "collision/cpu/kernels.h"
 #include "collision/cpu/moving_kernels.inl"
 #include "geometry/closest_pair.h"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nearest pair of triangles for many poses. A warp descends both bodies' hierarchies of oriented boxes, two pairs of
-// nodes at a time, the nearest first. Two leaves that are near are compared along six axes, and the pairs of triangles
-// that are left are measured in double precision, one per lane. What the bounds drop cannot be as near as the best pair
-// (box_distance.h, tolerances.h, which the CPU shares), so the first of the nearest pairs is found in any order.
+// The nearest pair of triangles for many poses. A warp descends both bodies' hierarchies of oriented boxes, two pairs
+// of nodes at a time, the nearest first. Two leaves that are near are compared along six axes, and the pairs of
+// triangles that are left are measured in double precision, one per lane. What the bounds drop cannot be as near as the
+// best pair (near_bounds.h, tolerances.h, which the CPU shares), so the first of the nearest pairs is found in any
+// order.
 //
-// Many warps may search for one pose: a warp that has opened many pairs of nodes hands over what waits on its stack. The
-// host starts the kernel again until nothing waits. All warps of a pose lower one distance by an atomic minimum.
+// Many warps may search for one pose: a warp that has opened many pairs of nodes hands over what waits on its stack.
+// The host starts the kernel again until nothing waits. All warps of a pose lower one distance by an atomic minimum.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "collision/box_distance.h"
+#include "collision/body/box_distance.h"
 #include "collision/cuda/queries.cuh"
+#include "collision/near_bounds.h"
 #include "geometry/triangle_overlap.h"
 #include "gpu/warp.cuh"
 #include "standoff/collision.h"
@@ -164,8 +166,7 @@ class NearestPairs {
     bool near = false;
     if (opens) {
       const Obb target = box_of(0, pair.node[0]), probe = box_of(1, pair.node[1]);
-      const int side =
-          collision::opens_target(level_of(pair.node[0]), target, level_of(pair.node[1]), probe) ? 0 : 1;
+      const int side = collision::opens_target(level_of(pair.node[0]), target, level_of(pair.node[1]), probe) ? 0 : 1;
       const int level = level_of(pair.node[side]);
       const std::uint32_t number = packet_of(pair.node[side]), n = lane_ % kLanes;
       child.node[side] = packet_word(level - 1, number * kLanes + n);
@@ -186,13 +187,13 @@ class NearestPairs {
   STANDOFF_DEVICE float distance_sq_of(int side, int level, std::uint32_t number, std::uint32_t n,
                                        const Obb& box) const {
     const Obb own = task_.body[side].oriented[level][number].lane(static_cast<int>(n));
-    const collision::OrientedBoxes<float> child{
-        {own.center[0], own.center[1], own.center[2]},
-        {{own.axis[0][0], own.axis[0][1], own.axis[0][2]},
-         {own.axis[1][0], own.axis[1][1], own.axis[1][2]},
-         {own.axis[2][0], own.axis[2][1], own.axis[2][2]}},
-        {own.half[0], own.half[1], own.half[2]}};
-    const Obb other = side == 0 ? collision::in_target(query_.transform, box) : collision::in_probe(query_.transform, box);
+    const collision::OrientedBoxes<float> child{{own.center[0], own.center[1], own.center[2]},
+                                                {{own.axis[0][0], own.axis[0][1], own.axis[0][2]},
+                                                 {own.axis[1][0], own.axis[1][1], own.axis[1][2]},
+                                                 {own.axis[2][0], own.axis[2][1], own.axis[2][2]}},
+                                                {own.half[0], own.half[1], own.half[2]}};
+    const Obb other =
+        side == 0 ? collision::in_target(query_.transform, box) : collision::in_probe(query_.transform, box);
     const float(*const axes)[3] = side == 0 ? shared_.node_axes.first : shared_.node_axes.second;
     const float by_boxes = collision::box_distance_sq(child, other, has_axes_ ? axes : nullptr);
     if (side == 0 || !task_.probe_is_small) return by_boxes;
@@ -201,8 +202,8 @@ class NearestPairs {
       return collision::transformed(query_.transform, axis, spheres.center[0][n], spheres.center[1][n],
                                     spheres.center[2][n]);
     };
-    const float gap = collision::gap_of_sphere(task_.body[0].field, at(0), at(1), at(2), spheres.radius[n],
-                                               sqrt(reach_sq_));
+    const float gap =
+        collision::gap_of_sphere(task_.body[0].field, at(0), at(1), at(2), spheres.radius[n], sqrt(reach_sq_));
     return gap > 0 ? max(by_boxes, gap * gap) : by_boxes;
   }
 
@@ -279,7 +280,8 @@ class NearestPairs {
         float of_set[2] = {};
         for (int set = 0; set < 2; ++set)
           for (int k = 0; k < 3; ++k)
-            of_set[set] += collision::squared_gap(kept(set, k, static_cast<std::uint32_t>(row)), kept(set, k, kLanes + n));
+            of_set[set] +=
+                collision::squared_gap(kept(set, k, static_cast<std::uint32_t>(row)), kept(set, k, kLanes + n));
         bound_sq = max(of_set[0], of_set[1]);
       }
       const bool near = bound_sq <= most_sq(slack) && row >= 0 && (of_probe >> n & 1) != 0;
@@ -435,8 +437,12 @@ inline void gather_answers(std::span<const PoseState> states, std::span<const Fo
                            std::span<collision::DistanceAnswer> answers) {
   std::vector<double> least_sq(answers.size(), std::numeric_limits<double>::infinity());
   for (std::size_t n = 0; n < answers.size(); ++n)
-    answers[n] = {static_cast<DeviceVerdict>(states[n].stopped), kNoTriangle,      kNoTriangle, states[n].ties,
-                  states[n].node_pairs,                          states[n].measured};
+    answers[n] = {static_cast<DeviceVerdict>(states[n].stopped),
+                  kNoTriangle,
+                  kNoTriangle,
+                  states[n].ties,
+                  states[n].node_pairs,
+                  states[n].measured};
   for (const FoundPair& pair : found) {
     collision::DistanceAnswer& answer = answers[pair.pose];
     double& least = least_sq[pair.pose];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distances of many poses by the emulated GPU's kernels have the CPU's bits, in every order of threads, however the work
-// is shared among warps.
+// Distances of many poses by the emulated GPU's kernels have the CPU's bits, in every order of threads, however the
+// work is shared among warps.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -139,7 +139,8 @@ TEST(CudaDistance, TiesAndTouchesOnALattice) {
   }
 }
 
-// Which of many copies is reported follows the order of triangles; of very many the CPU has a proof, and reports others.
+// Which of many copies is reported follows the order of triangles; of very many the CPU has a proof, and reports
+// others.
 TEST(CudaDistance, Copies) {
   for (const std::size_t count : {5, 30, 70, 200}) {
     Mesh copies{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
@@ -191,8 +192,8 @@ TEST(CudaDistance, ScenesAndSmallProbes) {
   Random random(18);
   std::vector<Pose> poses = poses_within(19, 60, 1);
   for (Pose& pose : poses)
-    pose.translation = box.center() + Vec3{random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(0, 1)} *
-                                          box.extent();
+    pose.translation =
+        box.center() + Vec3{random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(0, 1)} * box.extent();
   // Above the walls a plane separates the bodies, which the CPU takes for a proof.
   EXPECT_GT(expect_as_cpu(maze, {}, fly, poses).report.on_device, 30);
   EXPECT_GT(expect_as_cpu(maze, {}, speck, poses).report.on_device, 30);
