@@ -91,6 +91,31 @@ TEST(CudaDistance, ManyWarpsSearchForOnePose) {
   }
 }
 
+// What is near is found soon, and drops the rest, by one warp and by many: of ten million pairs few are measured.
+TEST(CudaDistance, LooksAtFewPairs) {
+  const Body a(ball_mesh(1, 20)), b(ball_mesh(1, 20));
+  const Pose pose = make_pose({1, 2, 3}, 0.4, {2.1, 0.3, 0.2});
+  const collision::QueryPair pair(a, {}, b, pose, collision::best_kernels());
+  const std::vector<collision::DistanceQuery> queries{collision::query_of(pair)};
+  for (const int turn : {4, 1 << 20}) {
+    std::vector<collision::DistanceAnswer> answers(1);
+    collision::find_device(testing::kEmulated, 1)
+        ->distance({.target = *pair.target.body,
+                    .probe = *pair.probe.body,
+                    .target_is_b = pair.swapped,
+                    .probe_is_small = pair.probe_is_small(),
+                    .of_a = collision::transform_of({}),
+                    .limit = kFar,
+                    .queries = queries,
+                    .answers = answers,
+                    .device = 0,
+                    .lists = {.turn = turn}});
+    EXPECT_GT(answers[0].measured, 0u);
+    EXPECT_LT(answers[0].measured, 1000u);
+    EXPECT_LT(answers[0].node_pairs, 300u);
+  }
+}
+
 TEST(CudaDistance, WithinALimit) {
   const Body ball(ball_mesh(1, 8)), soup(random_soup(7, 100, 1, 0.2)), small(ball_mesh(0.5, 3));
   const std::vector<Pose> poses = poses_within(4, 80, 4);
