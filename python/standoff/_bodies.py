@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers, to_numpy
-from ._checks import PathLike, flag, name, number, path_of, runs_on, threads_of, triple, whole_number
+from ._checks import PathLike, flag, name, number, path_of, runs_on, triple, whole_number
 from ._files import expect_file, packed, unpacked
 from ._gradients import refuse_gradient
 from ._mesh import as_mesh
