@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU beside the CPU, from host memory to host memory, as callers of compute(), MeshQuery and collide_all() see
-// them: from which size on is the GPU worth it? Writes a CSV line for each job: medians of both in ms. The answers are
-// compared. bench_devices [--once]   --once: each runs once, on the emulated GPU where there is none, to try it
+// The GPU beside the CPU, from host memory to host memory, as callers of compute(), MeshQuery, collide_all() and
+// distance_all() see them: from which size on is the GPU worth it? Writes a CSV line for each job: medians of both in
+// ms. The answers are compared. bench_devices [--once]   --once: each runs once, on the emulated GPU where there is
+// none, to try it
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "bench/conforming.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/compute.h"
@@ -104,12 +107,40 @@ void measure_collisions(int count) {
       });
 }
 
+void measure_distances(const std::string& name, const Body& a, const Body& b, const std::vector<Pose>& poses) {
+  BatchResult<DistanceResult> of_cpu, of_gpu;
+  const auto nearest = [](const DistanceResult& r) { return std::tuple(r.upper, r.triangle_a, r.triangle_b); };
+  measure(
+      "distance", name, std::to_string(poses.size()),
+      [&](Backend backend) {
+        (backend == Backend::cpu ? of_cpu : of_gpu) = distance_all(a, {}, b, poses, {}, {.backend = backend});
+      },
+      [&] { return std::ranges::equal(of_cpu.results, of_gpu.results, {}, nearest, nearest); });
+}
+
+// Beside each other, at many distances, each pose turned.
+void measure_distances_around(int count) {
+  const Body catapult(scenes::make("catapult")), bender(scenes::make("bender"));
+  std::vector<Pose> poses;
+  for (int n = 0; n < count; ++n)
+    poses.push_back(make_pose({1, 2, 3}, 0.01 * n, catapult.bounds().extent() * (0.6 + 0.9 * (n % 100) / 100)));
+  measure_distances("catapult+bender", catapult, bender, poses);
+}
+
+// A single pose of surfaces that run side by side.
+void measure_distance_of_shells(std::int64_t triangles) {
+  measure_distances("shells", Body(bench::make_conforming("shell:1", triangles)),
+                    Body(bench::make_conforming("shell:0.97", triangles)), {make_pose({1, 2, 3}, 0.5, {})});
+}
+
 int run() {
   std::puts("work,scene,size,cpu_ms,gpu_ms,ratio,answers");
   if (once) {
     measure_field("fly", 0, 20, 2);
     measure_points("fly", 0, 100);
     measure_collisions(20);
+    measure_distances_around(5);
+    measure_distance_of_shells(1000);
     return 0;
   }
   for (const std::int64_t side : {16, 32, 48, 64, 96, 128, 192, 256}) measure_field("machine_2", 20000, side, 2);
@@ -121,6 +152,8 @@ int run() {
   for (const int count : {1000, 10'000, 30'000, 100'000, 1'000'000, 4'000'000}) measure_points("factory", 0, count);
   for (const int count : {10'000, 100'000, 1'000'000}) measure_points("machine_2", 20000, count);
   for (const int count : {100, 1000, 3000, 10'000, 100'000, 1'000'000}) measure_collisions(count);
+  for (const int count : {1, 100, 1000, 10'000, 100'000}) measure_distances_around(count);
+  for (const int triangles : {70'000, 1'000'000}) measure_distance_of_shells(triangles);
   return 0;
 }
 

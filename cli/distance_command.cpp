@@ -112,6 +112,7 @@ void add_distance(CLI::App& program) {
       *verb, {"--max-steps", "N", "give up after so many steps, with bounds (default: no limit)", "Question"},
       [&options](S o, S t) { options.max_steps = parse_count(o, t, 0, std::numeric_limits<std::int64_t>::max()); });
   command->batch.add_to(*verb, "--poses", kPosesHelp, "pose")->excludes(pose);
+  command->batch.add_device_to(*verb);
   command->console.add_to(*verb, Console::kMessages | Console::kJson);
   verb->callback([command] { command->run(); });
 }

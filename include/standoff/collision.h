@@ -312,7 +312,10 @@ struct BatchResult {
 STANDOFF_API BatchResult<CollisionResult> collide_all(const Body& a, const Pose& pose_a, const Body& b,
                                                       std::span<const Pose> poses_b, const CollideOptions& options = {},
                                                       const Execution& execution = {});
-/// distance() for many poses of b. Runs on the CPU; any other backend is Error{usage}.
+/// distance() for many poses of b. The answers do not depend on the backend, not by one bit: a GPU finds the nearest
+/// pairs of triangles, and the CPU takes the poses that may intersect, and those where many pairs are about equally
+/// near or a plane separates the bodies (docs/distance.md). With a tolerance or max_steps it runs on the CPU, and any
+/// other backend is Error{usage}. Errors: as distance; usage also for `execution`; device, limit.
 STANDOFF_API BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, const Body& b,
                                                       std::span<const Pose> poses_b,
                                                       const DistanceOptions& options = {},

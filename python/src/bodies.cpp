@@ -57,14 +57,14 @@ nb::tuple collide_poses(const Body& a, const PoseInput& pose_a, const Body& b, c
 
 // lower, upper, point_a, point_b, triangle_a, triangle_b, finished
 nb::tuple distance_poses(const Body& a, const PoseInput& pose_a, const Body& b, const PoseInput& poses,
-                         double tolerance, double limit, std::int64_t max_steps, int threads,
+                         double tolerance, double limit, std::int64_t max_steps, int threads, const std::string& device,
                          const nb::object& progress) {
   const std::size_t count = poses.shape(0);
   NewArray<std::uint8_t> finished({count});
   NewArray<double> lower({count}), upper({count}), point_a({count, 3}), point_b({count, 3});
   NewArray<std::uint32_t> triangle_a({count}), triangle_b({count});
   const DistanceOptions options{.tolerance = tolerance, .limit = limit, .max_steps = max_steps};
-  const Execution execution{.threads = threads};
+  const Execution execution = execution_of(threads, device);
   const Pose at = pose_of(pose_a, 0);
   const std::vector<Pose> all = poses_of(poses);
   run_in_parts(progress, count, first_part(execution, count), [&](std::size_t first, std::size_t last) {
@@ -214,7 +214,7 @@ void add_bodies(nb::module_& m) {
   m.def("collide", &collide_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "margin"_a,
         "containment"_a, "certified"_a, "threads"_a, "device"_a, "progress"_a.none());
   m.def("distance", &distance_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "poses"_a.noconvert(), "tolerance"_a,
-        "limit"_a, "max_steps"_a, "threads"_a, "progress"_a.none());
+        "limit"_a, "max_steps"_a, "threads"_a, "device"_a, "progress"_a.none());
   m.def("sweep", &sweep_poses, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "end"_a.noconvert(),
         "center"_a, "tolerance"_a, "max_steps"_a, "threads"_a, "device"_a, "progress"_a.none());
   m.def("sweep_screw", &sweep_screws, "a"_a, "pose_a"_a.noconvert(), "b"_a, "start"_a.noconvert(), "point"_a, "axis"_a,

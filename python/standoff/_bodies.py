@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import like, numbers, to_numpy
-from ._checks import PathLike, flag, name, number, path_of, runs_on, threads_of, triple, whole_number
+from ._checks import PathLike, flag, name, number, path_of, runs_on, triple, whole_number
 from ._files import expect_file, packed, unpacked
 from ._gradients import refuse_gradient
 from ._mesh import as_mesh
@@ -318,6 +318,7 @@ def distance_between(
     limit: float = float("inf"),
     max_steps: int = 0,
     threads: int = 0,
+    device: str = "auto",
     progress: Progress = None,
 ) -> Distances:
     """The least distance between the surfaces of two bodies, as they lie or for many poses of b.
@@ -328,10 +329,11 @@ def distance_between(
         limit: the search stops at this distance, world units.
         max_steps: about the most steps of a pose, pairs of BVH nodes or of triangles; a search that needs more is not
             finished and returns bounds. 0: no limit.
-        threads, progress: as for `field`.
+        threads, device, progress: as for `field`. A GPU takes neither a tolerance nor ``max_steps``.
 
     Raises:
-        UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``.
+        UsageError: a pose that is not rigid or not finite, a negative tolerance, limit or ``max_steps``; a tolerance or
+            ``max_steps`` on a GPU.
     """
     pair = _pair(a, pose_a, b)
     p = _Poses(_UNMOVED if poses is None else poses, "poses")
@@ -342,7 +344,7 @@ def distance_between(
             number(tolerance, "tolerance"),
             number(limit, "limit"),
             whole_number(max_steps, "max_steps"),
-            threads_of(threads),
+            *runs_on(threads, device),
             report,
         )
     triangles = _triangles(triangle_a, triangle_b)

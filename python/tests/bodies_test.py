@@ -169,6 +169,17 @@ def test_a_distance_may_end_unfinished():
         so.distance_between(SPHERE, SPHERE, apart, max_steps=-1)
 
 
+def test_distances_of_a_gpu_are_those_of_the_cpu():
+    poses = np.stack([pose((x, 0.7, 0.4), (1, 2, 3), x) for x in np.linspace(-4, 4, 30)])
+    for limit in (np.inf, 1.5):
+        expected = so.distance_between(SPHERE, CUBE, poses, limit=limit, device="cpu")
+        found = so.distance_between(SPHERE, CUBE, poses, limit=limit, device="emulated")
+        for name in ("distance", "lower", "point_a", "point_b", "triangle_a", "triangle_b", "finished"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+    with pytest.raises(ValueError, match="with a tolerance or most steps: this runs on the CPU only"):
+        so.distance_between(SPHERE, CUBE, poses, tolerance=0.1, device="emulated")
+
+
 def test_a_sweep_may_end_unfinished():
     start, end = pose((3, 0, 0)), pose((-3, 0, 0), (0, 0, 1), 1)
     whole = so.sweep(CUBE, CUBE, start, end)

@@ -15,10 +15,10 @@ namespace standoff::collision {
 namespace {
 
 constexpr std::array kCollisionRows{
-    DeviceRow{Backend::cuda, cuda::available, cuda::device_name, cuda::collide, cuda::sweep},
+    DeviceRow{Backend::cuda, cuda::available, cuda::device_name, cuda::collide, cuda::sweep, cuda::distance},
 #ifdef STANDOFF_HAVE_EMULATION
     DeviceRow{testing::kEmulated, [] { return true; }, [](int) { return std::string("emulated on the CPU"); },
-              emulated::collide, emulated::sweep},
+              emulated::collide, emulated::sweep, emulated::distance},
 #endif
 };
 

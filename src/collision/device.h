@@ -65,6 +65,41 @@ struct SweepJob {
   int stack = kDeviceStack;
 };
 
+/// A pose of b.
+struct DistanceQuery {
+  DoubleTransform of_b;       ///< b in the world
+  DoubleTransform to_target;  ///< from the probe's coordinates to the target's, both relative to their middles
+  FloatTransform transform;   ///< the same in single precision
+  double pose_slack;          ///< as in QueryPair
+};
+
+/// The nearest pair of triangles of a pose.
+struct DistanceAnswer {
+  DeviceVerdict verdict;               ///< free, undecided (the bodies may intersect), or overflow
+  std::uint32_t of_target, of_probe;   ///< BVH indices; kNoTriangle if no pair is nearer than the limit
+  std::uint32_t ties;                  ///< pairs about as near (kTies), at least; exact up to kWorthAProof
+  std::uint32_t node_pairs, measured;  ///< the work: pairs of nodes opened or looked at, pairs of triangles measured
+};
+
+/// The sizes of lists. The answers do not depend on them, but for overflows; tests take fewer.
+struct DistanceLists {
+  int stack = kDeviceStack;
+  int turn = 64;                                  ///< node pairs that a warp opens before it hands over what waits
+  std::uint32_t handed = std::uint32_t{1} << 18;  ///< node pairs that wait for other warps
+  std::uint32_t found = std::uint32_t{1} << 16;   ///< pairs that warps have found, besides one for each pose
+};
+
+struct DistanceJob {
+  const BodyData &target, &probe;
+  bool target_is_b, probe_is_small;
+  DoubleTransform of_a;
+  double limit;
+  std::span<const DistanceQuery> queries;
+  std::span<DistanceAnswer> answers;  ///< one per query
+  int device;
+  DistanceLists lists;
+};
+
 /// A row of the table of devices (src/backends/collision.cpp).
 struct DeviceRow {
   Backend backend;
@@ -72,6 +107,7 @@ struct DeviceRow {
   std::string (*device_name)(int device);
   void (*collide)(const CollideJob&);
   void (*sweep)(const SweepJob&);
+  void (*distance)(const DistanceJob&);
 };
 
 /// The row for a batch of `count` queries; null for the CPU. Throws Error{device} if there is no such device.
@@ -82,9 +118,11 @@ const DeviceRow* find_device(Backend backend, std::size_t count);
 namespace standoff::cuda {  // src/collision/cuda
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
+void distance(const collision::DistanceJob& job);
 }  // namespace standoff::cuda
 
 namespace standoff::emulated {  // the same on the emulated GPU
 void collide(const collision::CollideJob& job);
 void sweep(const collision::SweepJob& job);
+void distance(const collision::DistanceJob& job);
 }  // namespace standoff::emulated

@@ -9,11 +9,14 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "collision/close_pairs.h"
 #include "collision/collide.h"
+#include "collision/distance.h"
+#include "collision/gap_proof.h"
 #include "collision/node_pairs.h"
 #include "core/guarded.h"
 #include "core/threads.h"
@@ -22,10 +25,6 @@
 namespace standoff {
 namespace collision {
 namespace {
-
-// Pairs about as near as the best one that are measured before a proof is tried that none is nearer, which visits all
-// corners of both bodies.
-constexpr std::int64_t kWorthAProof = 4096;
 
 // A pair that was the nearest is a good beginning while its distance is at most this many times the one it had.
 // It decides time alone; other values were not measured.
@@ -40,6 +39,8 @@ class DistanceSearch {
   DistanceSearch(const QueryPair& pair, const DistanceOptions& options, Steps& steps)
       : pair_(pair),
         nodes_(pair),
+        to_target_(transform_of(pair.relative)),
+        node_slack_(node_slack(pair)),
         tolerance_(options.tolerance),
         best_(options.limit),
         best_sq_(best_ * best_),
@@ -67,9 +68,9 @@ class DistanceSearch {
     has_start_ = true;
     batch_.add(target_index, probe_index);
     measure();
-    if (!found_ || best_ > kStillNear * distance_it_had || boxes_may_prove()) return false;
+    if (!found_ || best_ > kStillNear * distance_it_had || proof().boxes_may_prove()) return false;
     search();
-    return near_ties_ <= kWorthAProof && !boxes_may_prove();
+    return near_ties_ <= kWorthAProof && !proof().boxes_may_prove();
   }
 
   double best() const { return best_; }
@@ -77,12 +78,10 @@ class DistanceSearch {
   double lower() const { return lower_; }
   bool finished() const { return is_finished_; }
   bool found() const { return found_; }
-  Vec3 on_target, on_probe;                   ///< the closest points
-  std::uint32_t of_target = 0, of_probe = 0;  ///< BVH indices
+  const NearestPair& nearest() const { return nearest_; }
 
  private:
   static constexpr int kDescents = 2;
-  static constexpr double kTies = 3;  // count_ties()
 
   void search() {
     std::array<NodePair, kLanes> children;
@@ -119,26 +118,21 @@ class DistanceSearch {
 
   // No pair that was dropped is nearer than this: by the tolerance, once there is a best pair.
   double kept_within() const { return found_ ? best_ - tolerance_ : best_; }
-  double node_slack() const {
-    return kNodePairSlack * (pair_.target.body->radius + pair_.probe.body->radius) + pair_.pose_slack;
-  }
-  // Pairs whose distances differ by less than this are about as near: bounds hardly tell them apart.
-  double about(double distance) const { return node_slack() + kFarShare * distance; }
+  double about(double distance) const { return about_equal(distance, node_slack_); }
   // Lowers the reach: bounds above it cannot hide a pair that is nearer than the best one by more than the tolerance,
   // or that counts as about as near.
   void lower_reach() {
     const double ties = has_start_ ? kTies * about(best_) : 0;
     wanted_ = std::min((kept_within() + ties) * (1 + kFarShare), kMaxMargin);
-    reach_ = static_cast<float>(wanted_ + node_slack());
-    reach_sq_ = squared(reach_);
+    reach_ = static_cast<float>(wanted_ + node_slack_);
+    reach_sq_ = collision::reach_sq(wanted_, node_slack_);
   }
-  static float squared(float reach) { return reach < 0 ? -1 : reach * reach * (kRoundUp * kRoundUp); }
 
   // Ends the search: the least bound of all nodes that wait, and what was dropped, are what is proven. A node with a
   // bound above the reach would have been dropped; this takes from a bound what lower_reach() adds, and its rounding.
   void give_up(float least_sq) {
     measure();
-    const double of_nodes = (std::sqrt(static_cast<double>(least_sq)) * kRoundDown - node_slack()) / (1 + kFarShare);
+    const double of_nodes = (std::sqrt(static_cast<double>(least_sq)) * kRoundDown - node_slack_) / (1 + kFarShare);
     lower_ = std::max(0.0, std::min(of_nodes, kept_within()));
     is_finished_ = false;
   }
@@ -189,14 +183,13 @@ class DistanceSearch {
   void look_at(const NodePair& leaves) {
     const BodyBvh &target = pair_.target.body->bvh, &probe = pair_.probe.body->bvh;
     const Obb first = target.box_of(0, leaves.target), second = probe.box_of(0, leaves.probe);
-    const auto center_of = [](const Obb& box) { return Vec3{box.center[0], box.center[1], box.center[2]}; };
-    const auto radius_of = [](const Obb& box) { return length(Vec3{box.half[0], box.half[1], box.half[2]}); };
-    const Vec3 offset = apply(pair_.relative, center_of(second)) - center_of(first);
-    const LeafAxes axes[2] = {leaf_axes(found_ ? best_axes_ : axes_about(offset), offset),
-                              leaf_axes({axis_of(first, 0), axis_of(first, 1), axis_of(first, 2)}, offset)};
-    const double radii = pair_.target.body->radius + pair_.probe.body->radius;
-    const double slack = kCornerSlack * radii + kLeafSlack * (radius_of(first) + radius_of(second)) + pair_.pose_slack;
-    const auto most_sq = [&] { return std::min(squared(static_cast<float>(wanted_ + slack)), reach_sq_); };
+    const Triple<double> offset = offset_of(to_target_, first, second);
+    const LeafAxes axes[2] = {
+        leaf_axes(to_target_, found_ ? best_axes_ : perpendicular_axes(offset), offset),
+        leaf_axes(to_target_, {{axis_of(first, 0), axis_of(first, 1), axis_of(first, 2)}}, offset)};
+    const double slack =
+        leaf_slack(pair_.target.body->radius + pair_.probe.body->radius, first, second, pair_.pose_slack);
+    const auto most_sq = [&] { return std::min(collision::reach_sq(wanted_, slack), reach_sq_); };
     LeafPair near[kLanes * kLanes];
     const int count = pair_.kernels.near_triangles(
         target.triangles[leaves.target], first.center, target.children_of(0, leaves.target),
@@ -233,43 +226,27 @@ class DistanceSearch {
     return past;
   }
 
-  static Vec3 axis_of(const Obb& box, int k) { return {box.axis[k][0], box.axis[k][1], box.axis[k][2]}; }
-
-  LeafAxes leaf_axes(const std::array<Vec3, 3>& axes, const Vec3& offset) const {
-    LeafAxes both;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 in_probe = rotate_back(pair_.relative, axes[k]);
-      both.offset[k] = static_cast<float>(dot(axes[k], offset));
-      for (int j = 0; j < 3; ++j) {
-        both.first[k][j] = static_cast<float>(axes[k][j]);
-        both.second[k][j] = static_cast<float>(in_probe[j]);
-      }
-    }
-    return both;
-  }
-
   // Of pairs that are equally near, the first one counts: by its triangles, the target's before the probe's.
   void measure() {
     bool nearer = false;
-    batch_.measure(
-        [&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p, Vec3 of_q) {
-          near_ties_ += distance_sq <= near_sq_;
-          if (distance_sq >= best_sq_) {
-            const bool precedes = std::pair(target_index, probe_index) < std::pair(of_target, of_probe);
-            if (!found_ || distance_sq > best_sq_ || !precedes) return;
-          }
-          nearer = nearer || distance_sq < best_sq_;
-          best_sq_ = distance_sq;
-          on_target = of_p, on_probe = of_q;
-          of_target = target_index, of_probe = probe_index;
-          found_ = true;
-        });
+    batch_.measure([&](std::uint32_t target_index, std::uint32_t probe_index, double distance_sq, Vec3 of_p,
+                       Vec3 of_q) {
+      near_ties_ += distance_sq <= near_sq_;
+      if (distance_sq >= best_sq_) {
+        const bool precedes = std::pair(target_index, probe_index) < std::pair(nearest_.of_target, nearest_.of_probe);
+        if (!found_ || distance_sq > best_sq_ || !precedes) return;
+      }
+      nearer = nearer || distance_sq < best_sq_;
+      best_sq_ = distance_sq;
+      nearest_ = {target_index, probe_index, of_p, of_q};
+      found_ = true;
+    });
     if (!nearer) return;
     best_ = std::sqrt(best_sq_);
     count_ties();
     lower_reach();
-    best_axes_ = axes_about(rotate_back(pair_.frame, on_probe - on_target));
-    nodes_.set_axes(best_axes_);
+    best_axes_ = perpendicular_axes(triple_of(rotate_back(pair_.frame, nearest_.on_probe - nearest_.on_target)));
+    nodes_.set_axes(leaf_axes(to_target_, best_axes_, {}));
   }
 
   // Counts pairs that are about as near as the best one. run() begins again when the best one has come nearer by more
@@ -286,84 +263,39 @@ class DistanceSearch {
     }
   }
 
-  // Many pairs may be equally near, for example between two plates: no bound in single precision drops them. But if a
-  // plane separates the bodies by the distance of the best pair, no pair is nearer.
+  // Where very many pairs are about equally near.
   void prove() {
     measure();
     near_ties_ = 0;
     if (best_ == proof_tried_at_) return;
     proof_tried_at_ = best_;
     const std::size_t triangles = pair_.target.body->corners.size() + pair_.probe.body->corners.size();
-    for (const Vec3& direction : directions_of_best()) {
+    for (const Vec3& direction : proof().directions(nearest_.of_target, nearest_.of_probe)) {
       if (is_settled_) return;
       steps_.take(static_cast<std::int64_t>(triangles) / kTrianglesOfAStep);
-      is_settled_ = is_proof(reach_of_corners(pair_.probe, -direction), reach_of_corners(pair_.target, direction));
+      is_settled_ = proof().by_corners(direction, tolerance_);
     }
   }
 
   // The same by the boxes of both bodies alone, which costs nothing.
   void prove_by_boxes() {
-    for (const Vec3& direction : directions_of_best())
-      is_settled_ =
-          is_settled_ || is_proof(reach_of_box(pair_.probe, -direction), reach_of_box(pair_.target, direction));
+    for (const Vec3& direction : proof().directions(nearest_.of_target, nearest_.of_probe))
+      is_settled_ = is_settled_ || proof().by_boxes(direction, tolerance_);
   }
 
-  // Unit vectors from the target to the probe: between the closest points, and along the normals of the two triangles.
-  // If the points are near each other, rounding turns the direction between them.
-  std::array<Vec3, 3> directions_of_best() const {
-    const Vec3 between = on_probe - on_target;
-    const auto normal_of = [](const Corners& t) { return cross(t[1] - t[0], t[2] - t[0]); };
-    std::array<Vec3, 3> directions{between, normal_of(pair_.target.world(of_target)),
-                                   normal_of(pair_.probe.world(of_probe))};
-    for (Vec3& along : directions) along = axes_about(dot(along, between) < 0 ? -along : along)[0];
-    return directions;
-  }
-
-  // Whether prove_by_boxes() could succeed along any direction n, with any pair. Then n is nearly that of the best
-  // pair, u: the points of that pair are in the boxes, so n.u >= 1 - error / distance, and |n - u|^2 <= 2 * error /
-  // distance. A gap along u is less than along n by no more than |n - u| times the extent of the boxes, which is at
-  // most twice that of the bodies.
-  bool boxes_may_prove() const {
-    const Vec3 direction = axes_about(on_probe - on_target)[0];
-    const double gap = -reach_of_box(pair_.probe, -direction) - reach_of_box(pair_.target, direction);
-    const double error = 4 * kGapRounding * extent(), turned = 4 * std::sqrt(error / best_);
-    return !(gap < best_ - error - turned * extent());
-  }
-  double extent() const { return best_ + 2 * (pair_.target.body->radius + pair_.probe.body->radius); }
-
-  // Whether bodies with these reaches towards each other, along a direction from the closest point on the target, leave
-  // a gap that proves that no pair is nearer than the best one.
-  bool is_proof(double reach_of_probe, double reach_of_target) const {
-    return -reach_of_probe - reach_of_target >= best_ - tolerance_ - kGapRounding * extent();
-  }
-  double reach_along(const PlacedBody& body, const Vec3& direction, const Vec3& corner) const {
-    return dot(direction, (body.moved ? apply(body.pose, corner) : corner) - on_target);
-  }
-  double reach_of_box(const PlacedBody& body, const Vec3& direction) const {
-    const Box& box = body.body->box;
-    double most = -std::numeric_limits<double>::infinity();
-    for (int n = 0; n < 8; ++n) {
-      const Vec3 corner{(n & 1 ? box.max : box.min).x, (n & 2 ? box.max : box.min).y, (n & 4 ? box.max : box.min).z};
-      most = std::max(most, reach_along(body, direction, corner));
-    }
-    return most;
-  }
-  double reach_of_corners(const PlacedBody& body, const Vec3& direction) const {
-    double most = -std::numeric_limits<double>::infinity();
-    for (const Corners& corners : body.body->corners)
-      for (const Vec3& corner : corners) most = std::max(most, reach_along(body, direction, corner));
-    return most;
-  }
+  GapProof proof() const { return {pair_, nearest_.on_target, nearest_.on_probe, best_}; }
 
   const QueryPair& pair_;
   NodePairs nodes_;
-  const double tolerance_;
+  const DoubleTransform to_target_;
+  const double node_slack_, tolerance_;
+  NearestPair nearest_{};
   double best_, best_sq_, wanted_ = 0, lower_ = 0;
   float reach_ = 0, reach_sq_ = 0;
   bool found_ = false, is_settled_ = false, is_finished_ = true;
   bool has_start_ = false;  // it is run_from()
   Steps& steps_;
-  std::array<Vec3, 3> best_axes_;  // in the target's frame
+  PerpendicularAxes best_axes_{};  // in the target's frame
   std::int64_t near_ties_ = 0;     // pairs within near_sq_, since a proof was tried
   double ties_of_ = std::numeric_limits<double>::infinity(), near_sq_ = 0;
   double proof_tried_at_ = -1, boxes_tried_at_ = 0;
@@ -378,43 +310,51 @@ bool may_begin_with(const DistanceState& state, const QueryPair& pair, const Dis
          options.tolerance == 0 && options.max_steps == 0;
 }
 
-DistanceResult distance_checked(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
+}  // namespace
+
+DistanceResult result_of(const QueryPair& pair, const NearestPair& nearest, double lower, double upper) {
+  const TrianglesOfBoth triangles = pair.triangles_of(nearest.of_target, nearest.of_probe);
+  const auto& [on_a, on_b] =
+      pair.swapped ? std::tie(nearest.on_probe, nearest.on_target) : std::tie(nearest.on_target, nearest.on_probe);
+  return {lower, upper, on_a, on_b, triangles.a, triangles.b};
+}
+
+DistanceResult beyond(double limit) {
+  return {.lower = limit, .upper = std::numeric_limits<double>::infinity(), .point_a = {}, .point_b = {}};
+}
+
+DistanceResult distance_exactly(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b,
                                 const DistanceOptions& options, const Kernels& kernels, DistanceState& state) {
   const QueryPair pair(a, pose_a, b, pose_b, kernels);
-  DistanceResult result;
   Steps steps(options.max_steps);
-  std::uint32_t of_target = 0, of_probe = 0;
-  Vec3 on_target, on_probe;
-  if (const auto intersecting = find_intersecting_pair(pair, 0, steps)) {
-    of_target = intersecting->of_target, of_probe = intersecting->of_probe;
-    on_target = on_probe = common_point(pair.target.world(of_target), pair.probe.world(of_probe));
-  } else {
-    const bool may_intersect = steps.are_spent();
-    std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
-    if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
-      search.emplace(pair, options, steps);
-      search->run();
-    }
-    result.finished = search->finished() && !may_intersect;
-    if (!search->found()) {
-      result.lower = result.finished ? options.limit : may_intersect ? 0 : search->lower();
-      result.upper = std::numeric_limits<double>::infinity();
-      return result;
-    }
-    of_target = search->of_target, of_probe = search->of_probe;
-    on_target = search->on_target, on_probe = search->on_probe;
-    result.upper = search->best();
-    result.lower = result.finished ? std::max(0.0, result.upper - options.tolerance)
-                   : may_intersect ? 0
-                                   : std::min(search->lower(), result.upper);
+  if (const auto found = find_intersecting_pair(pair, 0, steps)) {
+    const Vec3 point = common_point(pair.target.world(found->of_target), pair.probe.world(found->of_probe));
+    state = {found->of_target, found->of_probe, 0};
+    return result_of(pair, {found->of_target, found->of_probe, point, point}, 0, 0);
   }
-  state = {of_target, of_probe, result.upper};
-  if (pair.swapped) std::swap(on_target, on_probe);
-  result.point_a = on_target, result.point_b = on_probe;
-  const TrianglesOfBoth triangles = pair.triangles_of(of_target, of_probe);
-  result.triangle_a = triangles.a, result.triangle_b = triangles.b;
+  const bool may_intersect = steps.are_spent();
+  std::optional<DistanceSearch> search(std::in_place, pair, options, steps);
+  if (!may_begin_with(state, pair, options) || !search->run_from(state.of_target, state.of_probe, state.distance)) {
+    search.emplace(pair, options, steps);
+    search->run();
+  }
+  const bool finished = search->finished() && !may_intersect;
+  const double proven = may_intersect ? 0 : search->lower();
+  if (!search->found()) {
+    DistanceResult result = beyond(finished ? options.limit : proven);
+    result.finished = finished;
+    return result;
+  }
+  const double upper = search->best();
+  const NearestPair& nearest = search->nearest();
+  state = {nearest.of_target, nearest.of_probe, upper};
+  DistanceResult result =
+      result_of(pair, nearest, finished ? std::max(0.0, upper - options.tolerance) : std::min(proven, upper), upper);
+  result.finished = finished;
   return result;
 }
+
+namespace {
 
 void check(const DistanceOptions& options) {
   if (!(options.tolerance >= 0) || !(options.limit >= 0) || !std::isfinite(options.tolerance))
@@ -439,7 +379,7 @@ DistanceResult distance(const Body& a, const Pose& pose_a, const Body& b, const 
   collision::check(options);
   validate(pose_a);
   validate(pose_b);
-  return collision::distance_checked(a, pose_a, b, pose_b, options, collision::best_kernels(), state);
+  return collision::distance_exactly(a, pose_a, b, pose_b, options, collision::best_kernels(), state);
 } catch (...) {
   throw_as_error("distance");
 }
@@ -448,16 +388,25 @@ BatchResult<DistanceResult> distance_all(const Body& a, const Pose& pose_a, cons
                                          std::span<const Pose> poses_b, const DistanceOptions& options,
                                          const Execution& execution) try {
   collision::check(options);
-  validate("distance", execution, Runs::on_the_cpu);
+  const bool bounded = options.tolerance != 0 || options.max_steps != 0;
+  validate(bounded ? "distance: with a tolerance or most steps" : "distance", execution,
+           bounded ? Runs::on_the_cpu : Runs::everywhere);
   validate(pose_a);
   collision::validate_all(poses_b);
   const collision::Kernels& kernels = collision::kernels_for(execution.simd, "distance");
+  const collision::DeviceRow* const row =
+      collision::find_device(bounded ? Backend::cpu : execution.backend, poses_b.size());
+  BatchReport report{name_of(row ? row->backend : Backend::cpu), row ? row->device_name(execution.device) : ""};
+  if (row) {
+    auto results = collision::distance_on_device(*row, a, pose_a, b, poses_b, options.limit, execution, report);
+    return {std::move(results), std::move(report)};
+  }
   // Poses that follow each other are often near each other.
   tbb::enumerable_thread_specific<DistanceState> states;
   auto results = collision::for_each<DistanceResult>(poses_b.size(), execution.threads, [&](std::size_t n) {
-    return collision::distance_checked(a, pose_a, b, poses_b[n], options, kernels, states.local());
+    return collision::distance_exactly(a, pose_a, b, poses_b[n], options, kernels, states.local());
   });
-  return {std::move(results), {.backend = "cpu", .device = {}}};
+  return {std::move(results), std::move(report)};
 } catch (...) {
   throw_as_error("distance");
 }

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "collision/near_bounds.h"
 #include "collision/query_pair.h"
 #include "core/threads.h"
 
@@ -27,12 +28,8 @@ struct NodePair {
 
 /// Three perpendicular unit vectors; the first one has the direction of v, or any direction if v is zero.
 inline std::array<Vec3, 3> axes_about(const Vec3& v) {
-  const double size = length(v);
-  const Vec3 first = size > 0 ? v * (1 / size) : Vec3{1, 0, 0};
-  const double x = std::abs(first.x), y = std::abs(first.y), z = std::abs(first.z);
-  const Vec3 other = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  const Vec3 across = cross(first, other), second = across * (1 / length(across));
-  return {first, second, cross(first, second)};
+  const PerpendicularAxes axes = perpendicular_axes(triple_of(v));
+  return {vec_of(axes.axis[0]), vec_of(axes.axis[1]), vec_of(axes.axis[2])};
 }
 
 class NodePairs {
@@ -47,16 +44,10 @@ class NodePairs {
     return {0, 0, 0, static_cast<std::int8_t>(target_.top()), static_cast<std::int8_t>(probe_.top())};
   }
 
-  /// Compares boxes along these vectors too, from now on. They are in the target's frame.
-  void set_axes(const std::array<Vec3, 3>& axes) {
+  /// Compares boxes along these vectors too, from now on.
+  void set_axes(const LeafAxes& axes) {
     has_axes_ = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 of_probe = rotate_back(pair_.relative, axes[k]);
-      for (int j = 0; j < 3; ++j) {
-        target_axes_[k][j] = static_cast<float>(axes[k][j]);
-        probe_axes_[k][j] = static_cast<float>(of_probe[j]);
-      }
-    }
+    axes_ = axes;
   }
 
   /// Opens the larger node of a pair that is no leaf: writes the pairs with its children whose bound is at most
@@ -64,13 +55,12 @@ class NodePairs {
   int open(const NodePair& nodes, float most_sq, std::array<NodePair, kLanes>& children) const {
     const Obb of_target = target_.box_of(nodes.target_level, nodes.target),
               of_probe = probe_.box_of(nodes.probe_level, nodes.probe);
-    const bool opens_target =
-        nodes.probe_level == 0 || (nodes.target_level > 0 && size_sq(of_target) >= size_sq(of_probe));
+    const bool opens_target = collision::opens_target(nodes.target_level, of_target, nodes.probe_level, of_probe);
     const BodyBvh& bvh = opens_target ? target_ : probe_;
     const int level = opens_target ? nodes.target_level : nodes.probe_level;
     const std::uint32_t number = opens_target ? nodes.target : nodes.probe;
-    const Obb other = opens_target ? in_target(of_probe) : in_probe(of_target);
-    const float(*const axes)[3] = !has_axes_ ? nullptr : opens_target ? target_axes_ : probe_axes_;
+    const Obb other = opens_target ? in_target(pair_.transform, of_probe) : in_probe(pair_.transform, of_target);
+    const float(*const axes)[3] = !has_axes_ ? nullptr : opens_target ? axes_.first : axes_.second;
     alignas(64) float distance_sq[kLanes];
     std::uint32_t near = pair_.kernels.obb_distances_sq(bvh.oriented[static_cast<std::size_t>(level)][number], other,
                                                         axes, most_sq, distance_sq);
@@ -122,46 +112,11 @@ class NodePairs {
   }
 
  private:
-  Obb in_target(const Obb& box) const {
-    return placed(
-        box,
-        [&](const float* v, int axis) {
-          const float* const r = pair_.transform.rotation + 3 * axis;
-          return r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
-        },
-        pair_.transform.translation);
-  }
-
-  static float size_sq(const Obb& box) {
-    return box.half[0] * box.half[0] + box.half[1] * box.half[1] + box.half[2] * box.half[2];
-  }
-  template <class Rotate>
-  static Obb placed(const Obb& box, const Rotate& rotate, const float* translation) {
-    Obb moved;
-    for (int axis = 0; axis < 3; ++axis) {
-      moved.center[axis] = rotate(box.center, axis) + translation[axis];
-      moved.half[axis] = box.half[axis];
-      for (int k = 0; k < 3; ++k) moved.axis[k][axis] = rotate(box.axis[k], axis);
-    }
-    return moved;
-  }
-  Obb in_probe(Obb box) const {
-    for (int axis = 0; axis < 3; ++axis) box.center[axis] -= pair_.transform.translation[axis];
-    constexpr float kNowhere[3] = {};
-    return placed(
-        box,
-        [&](const float* v, int axis) {
-          const float* const r = pair_.transform.rotation + axis;
-          return r[0] * v[0] + r[3] * v[1] + r[6] * v[2];
-        },
-        kNowhere);
-  }
-
   const QueryPair& pair_;
   const BodyBvh &target_, &probe_;
   const bool probe_is_small_;
   bool has_axes_ = false;
-  float target_axes_[3][3], probe_axes_[3][3];
+  LeafAxes axes_;
 };
 
 }  // namespace standoff::collision

@@ -3,6 +3,8 @@
 // they change. The CPU and GPUs share them.
 #pragma once
 
+#include <cstdint>
+
 #include "geometry/rounding.h"
 #include "standoff/pose.h"
 
@@ -38,6 +40,13 @@ static_assert(kFarShare > 1.7320509 * gamma_float(9));
 /// The error of the gap between two bodies along a direction, in double precision, relative to the extent of the points
 /// that are projected.
 inline constexpr double kGapRounding = 8 * kRoundoffDouble;
+
+/// Pairs about as near as the best one that are measured before a proof by corners is tried, which visits all corners
+/// of both bodies.
+inline constexpr std::int64_t kWorthAProof = 4096;
+/// Pairs within so many times the difference that a proof allows are counted where a search must know that no proof was
+/// tried which could have succeeded: such a proof's pairs are within two, and rounding.
+inline constexpr double kTies = 3;
 
 /// A matrix whose rows are orthonormal within this error is used unchanged: kDoublePrecisionSlack covers the error.
 /// Others are made orthonormal first.

@@ -132,7 +132,8 @@ TEST(Misuse, Batches) {
     const Execution elsewhere{.backend = backend};
     const CollideOptions certified{.mode = CollideMode::certified};
     expect_usage("certified", [&] { collide_all(body(), {}, body(), poses, certified, elsewhere); });
-    expect_usage("distance", [&] { distance_all(body(), {}, body(), poses, {}, elsewhere); });
+    expect_usage("tolerance", [&] { distance_all(body(), {}, body(), poses, {.tolerance = 1}, elsewhere); });
+    expect_usage("max_steps", [&] { distance_all(body(), {}, body(), poses, {.max_steps = 1}, elsewhere); });
     expect_usage("contacts", [&] { contacts_all(body(), {}, body(), poses, {}, elsewhere); });
   }
   expect_usage("certified containment",
@@ -145,6 +146,9 @@ TEST(Misuse, Batches) {
       expect_answer_or_error("collide_all", [&] { collide_all(body(), {}, body(), poses, {}, batch); });
       expect_answer_or_error("collide_all",
                              [&] { collide_all(body(), {}, body(), poses, {.mode = CollideMode::certified}, batch); });
+      expect_answer_or_error("distance_all", [&] { distance_all(body(), {}, body(), poses, {}, batch); });
+      expect_answer_or_error("none",
+                             [&] { EXPECT_TRUE(distance_all(body(), {}, body(), {}, {}, batch).results.empty()); });
       expect_answer_or_error("sweep_all", [&] { sweep_all(body(), {}, body(), motions, {}, batch); });
       expect_answer_or_error("none",
                              [&] { EXPECT_TRUE(collide_all(body(), {}, body(), {}, {}, batch).results.empty()); });

@@ -159,10 +159,12 @@ TEST_F(BatchQuery, TheTableDoesNotDependOnTheDevice) {
   write("ways.csv", ways);
   done(words("build scene:sphere:500 -o a.body"));
   for (const std::string line :
-       {"collide a.body scene:box --poses poses.csv", "sweep a.body scene:box --motions ways.csv"}) {
+       {"collide a.body scene:box --poses poses.csv", "sweep a.body scene:box --motions ways.csv",
+        "distance a.body scene:box --poses poses.csv --limit 0.5"}) {
     const std::string expected = done(words(line + " -j 1 --device cpu")).out;
-    EXPECT_NE(expected.find(",hit"), std::string::npos);
-    EXPECT_NE(expected.find(",free"), std::string::npos);
+    const bool measures = line.starts_with("distance");
+    EXPECT_NE(expected.find(measures ? ",0,0," : ",hit"), std::string::npos);
+    EXPECT_NE(expected.find(measures ? ",inf," : ",free"), std::string::npos);
     EXPECT_EQ(done(words(line)).out, expected);
     done(words(line + " -o out.csv --device emulated"));
     EXPECT_EQ(read_bytes(folder / "out.csv"), expected) << line;
@@ -242,7 +244,8 @@ TEST_F(BatchQuery, ErrorsOfTheCommandLine) {
   expect(collide + "--poses poses.csv --pose 1,2,3", 2, "--pose and --poses cannot go together");
   expect(collide + "--poses poses.csv --contacts 3", 2, "--contacts and --poses cannot go together");
   expect("distance scene:box scene:box --poses poses.csv --pose 1,2,3", 2, "--pose and --poses cannot go together");
-  expect("distance scene:box scene:box --poses poses.csv --device cpu", 2, "unknown option '--device'");
+  expect("distance scene:box scene:box --poses poses.csv --tolerance 1 --device emulated", 2,
+         "distance: with a tolerance or most steps: this runs on the CPU only");
   expect(sweep + "--motions ways.csv --to 1,2,3", 2, "--to and --motions cannot go together");
   expect(sweep + "--motions ways.csv --from 1,2,3", 2, "--from and --motions cannot go together");
   expect(sweep, 2, "sweep: no --to given, where B ends; or give --screw, --path or --motions");

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// gpu-check, collisions and points: poses decided, motions swept and nearest triangles found on this machine's GPU, and
-// the thesis's animation, against the CPU's answers.
+// gpu-check, collisions and points: poses decided, distances measured, motions swept and nearest triangles found on
+// this machine's GPU, and the thesis's animation, against the CPU's answers.
 //
 // check_collide [--quick] [--emulated]: prints a line per case and how many were wrong; exit code 0 where none was.
 // --emulated checks the check: the emulation takes the GPU's part, and no GPU is needed.
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "bench/conforming.h"
 #include "scenes/scenes.h"
 #include "standoff/collision.h"
 #include "standoff/error.h"
@@ -63,7 +65,7 @@ std::vector<Case> cases(bool quick) {
 }
 
 int tell(const char* query, const Case& c, std::size_t count, int wrong, int hits, const BatchReport& report) {
-  std::printf("%-6s %-7s %-18s %d of %zu differ, %d hits; decided by %s: %lld, undecided: %lld, overflows: %lld\n",
+  std::printf("%-6s %-8s %-18s %d of %zu differ, %d hits; decided by %s: %lld, undecided: %lld, overflows: %lld\n",
               wrong == 0 ? "ok" : "WRONG", query, c.name.c_str(), wrong, count, hits, report.backend.c_str(),
               static_cast<long long>(report.on_device), static_cast<long long>(report.undecided),
               static_cast<long long>(report.overflowed));
@@ -80,6 +82,45 @@ int run(const Case& c, Backend backend, int count) {
   for (std::size_t n = 0; n < poses.size(); ++n)
     wrong += found[n].verdict != expected[n].verdict, hits += expected[n].hit();
   return tell("collide", c, poses.size(), wrong, hits, report);
+}
+
+int compare_distances(const Case& c, const std::vector<Pose>& poses, Backend backend) {
+  const Body a(c.a), b(c.b);
+  const double limit = c.margin > 0 ? c.margin : std::numeric_limits<double>::infinity();
+  const auto [found, report] = distance_all(a, c.pose_a, b, poses, {.limit = limit}, {.backend = backend});
+  const auto expected = distance_all(a, c.pose_a, b, poses, {.limit = limit}, {.backend = Backend::cpu}).results;
+  int wrong = 0, hits = 0;
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    const DistanceResult &f = found[n], &e = expected[n];
+    wrong += f.lower != e.lower || f.upper != e.upper || f.point_a != e.point_a || f.point_b != e.point_b ||
+             f.triangle_a != e.triangle_a || f.triangle_b != e.triangle_b;
+    hits += e.upper == 0;
+  }
+  return tell("distance", c, poses.size(), wrong, hits, report);
+}
+
+int run_distances(const Case& c, Backend backend, int count) {
+  std::vector<Pose> poses = poses_for(c, count);
+  for (Pose& pose : poses)  // fewer that intersect
+    pose.translation = pose.translation + (pose.translation - c.pose_a.translation);
+  return compare_distances(c, poses, backend);
+}
+
+// Surfaces that run side by side: a single pose keeps all warps busy.
+int run_shells(Backend backend, std::int64_t triangles) {
+  const Case c{"nested shells",
+               bench::make_conforming("shell:1", triangles),
+               bench::make_conforming("shell:0.97", triangles),
+               {},
+               0,
+               false};
+  testing::Random random(91);
+  std::vector<Pose> poses;
+  for (int n = 0; n < 3; ++n) {
+    poses.push_back(random_pose(random));
+    poses.back().translation = random.in_cube(1e-3);
+  }
+  return compare_distances(c, poses, backend);
 }
 
 int run_sweeps(const Case& c, Backend backend, int count) {
@@ -104,9 +145,12 @@ int run_all(bool quick, Backend backend) {
   int faults = 0, count = 0;
   for (const Case& c : cases(quick)) {
     const bool few = quick || backend == testing::kEmulated;
-    faults += run(c, backend, few ? 300 : 20000) + run_sweeps(c, backend, few ? 100 : 5000);
-    count += 2;
+    faults += run(c, backend, few ? 300 : 20000) + run_sweeps(c, backend, few ? 100 : 5000) +
+              run_distances(c, backend, few ? 100 : 5000);
+    count += 3;
   }
+  faults += run_shells(backend, quick || backend == testing::kEmulated ? 1000 : 70000);
+  ++count;
   const auto [wrong, points] = check_points(quick, backend, quick || backend == testing::kEmulated ? 1000 : 200'000);
   faults += wrong;
   count += points;

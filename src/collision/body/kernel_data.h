@@ -132,7 +132,7 @@ inline constexpr double kAxisRoundUp = 1 + 0x1p-22;
 struct alignas(64) Obb16 {
   float center[3][kLanes], axis[3][3][kLanes], half[3][kLanes];
 
-  Obb lane(int n) const {
+  STANDOFF_INLINE Obb lane(int n) const {
     Obb box;
     for (int k = 0; k < 3; ++k) {
       box.center[k] = center[k][n], box.half[k] = half[k][n];

@@ -3,10 +3,10 @@
 // doubles at a time. No operations are fused, so all sets give the same bits.
 #pragma once
 
-#include <limits>
 #include <utility>
 
 #include "bvh/overlapping.inl"
+#include "collision/body/box_distance.h"
 #include "collision/body/kernel_data.h"
 #include "collision/cpu/kernels.h"
 #include "collision/cpu/moving_kernels.inl"
@@ -48,78 +48,20 @@ STANDOFF_INLINE WidePoint transformed(const FloatTransform& transform, const Wid
   return {row(0), row(1), row(2)};
 }
 
-// Sixteen oriented boxes against one, and two leaves of sixteen triangles against each other: how far apart two sets of
-// points are at least, by the gaps of their projections onto perpendicular vectors.
-
-STANDOFF_INLINE WidePoint load_axis(const Obb16& boxes, int axis) { return load_points(boxes.axis[axis]); }
-
-STANDOFF_INLINE WideFloat along(const WidePoint& p, const float (&axis)[3]) {
-  return p.x * WideFloat(axis[0]) + p.y * WideFloat(axis[1]) + p.z * WideFloat(axis[2]);
-}
-
-STANDOFF_INLINE WideFloat squared_gap(const WideFloat& distance, const WideFloat& reach) {
-  const WideFloat gap = max(distance - reach, WideFloat(0));
-  return gap * gap;
-}
+// Sixteen oriented boxes against one, and two leaves of sixteen triangles against each other (box_distance.h).
 
 std::uint32_t obb_distances_sq(const Obb16& boxes, const Obb& box, const float (*axes)[3], float most_sq,
                                float* distance_sq) {
-  const WidePoint offset = same_points(box.center) - load_points(boxes.center);
-  const WideFloat half[3] = {WideFloat::load(boxes.half[0]), WideFloat::load(boxes.half[1]),
-                             WideFloat::load(boxes.half[2])};
-  WidePoint axis[3];
-  WideFloat cosine[3][3];  // of the angle between two axes, their magnitudes
-  for (int k = 0; k < 3; ++k) {
-    axis[k] = load_axis(boxes, k);
-    for (int j = 0; j < 3; ++j) cosine[k][j] = abs(along(axis[k], box.axis[j]));
-  }
-  WideFloat of_theirs(0), of_box(0), reach(0);
-  for (int k = 0; k < 3; ++k) {
-    const WideFloat at = abs(plain_dot(offset, axis[k]));
-    WideFloat own = half[k];
-    for (int j = 0; j < 3; ++j) own = own + cosine[k][j] * WideFloat(box.half[j]);
-    of_theirs = of_theirs + squared_gap(at, own);
-    reach = reach + half[k] * at;
-  }
-  for (int k = 0; k < 3; ++k) {
-    const WideFloat at = abs(along(offset, box.axis[k]));
-    WideFloat own(box.half[k]);
-    for (int j = 0; j < 3; ++j) own = own + cosine[j][k] * half[j];
-    of_box = of_box + squared_gap(at, own);
-    reach = reach + WideFloat(box.half[k]) * at;
-  }
-  // Along the line of centers, times its length. The order of operations keeps the fourth power of a length out.
-  const WideFloat length_sq = plain_dot(offset, offset), gap = max(length_sq - reach, WideFloat(0));
-  const WideFloat of_line = gap / max(length_sq, WideFloat(std::numeric_limits<float>::min())) * gap;
-  WideFloat best = max(max(of_theirs, of_box), of_line);
-  if (axes) {
-    WideFloat of_axes(0);
-    for (int k = 0; k < 3; ++k) {
-      float own_of_box = 0;
-      for (int j = 0; j < 3; ++j)
-        own_of_box += box.half[j] * standoff::abs(box.axis[j][0] * axes[k][0] + box.axis[j][1] * axes[k][1] +
-                                                  box.axis[j][2] * axes[k][2]);
-      WideFloat own(own_of_box);
-      for (int j = 0; j < 3; ++j) own = own + half[j] * abs(along(axis[j], axes[k]));
-      of_axes = of_axes + squared_gap(abs(along(offset, axes[k])), own);
-    }
-    best = max(best, of_axes);
-  }
+  const OrientedBoxes<WideFloat> sixteen{
+      load_points(boxes.center),
+      {load_points(boxes.axis[0]), load_points(boxes.axis[1]), load_points(boxes.axis[2])},
+      {WideFloat::load(boxes.half[0]), WideFloat::load(boxes.half[1]), WideFloat::load(boxes.half[2])}};
+  const WideFloat best = box_distance_sq(sixteen, box, axes);
   best.store(distance_sq);
   return less_equal(best, WideFloat(most_sq)).to_bits();
 }
 
-// Sixteen intervals on an axis.
-struct Projections {
-  WideFloat low, high;
-};
-STANDOFF_INLINE Projections projections(const WidePoint (&corner)[3], const float (&axis)[3]) {
-  const WideFloat at[3] = {along(corner[0], axis), along(corner[1], axis), along(corner[2], axis)};
-  return {min(at[0], min(at[1], at[2])), max(at[0], max(at[1], at[2]))};
-}
-STANDOFF_INLINE WideFloat squared_gap(const Projections& a, const Projections& b) {
-  return squared_gap(max(a.low - b.high, b.low - a.high), WideFloat(0));
-}
+using Projections = Projection<WideFloat>;  // of sixteen triangles
 // The interval around all, in all lanes.
 STANDOFF_INLINE Projections around(const Projections& p) {
   return {WideFloat(reduce_min(p.low)), WideFloat(reduce_max(p.high))};
@@ -140,9 +82,9 @@ int near_triangles(const Triangle16& first, const float (&center)[3], int count,
     theirs[k] = load_points(second.corner[k]) - same_points(second_center);
   }
   const auto project = [&](int set, int k) __attribute__((always_inline)) {
-    const Projections moved = projections(theirs, axes[set].second[k]);
+    const Projections moved = projected(theirs, axes[set].second[k]);
     const WideFloat offset(axes[set].offset[k]);
-    return std::pair(projections(mine, axes[set].first[k]), Projections{moved.low + offset, moved.high + offset});
+    return std::pair(projected(mine, axes[set].first[k]), Projections{moved.low + offset, moved.high + offset});
   };
   // Most pairs of leaves, and most triangles of the others, are too far apart along the first axis alone.
   std::pair<Projections, Projections> both = project(0, 0);

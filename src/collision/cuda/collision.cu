@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Collision queries on a GPU. nvcc compiles this file for CUDA; collision_emulated.cpp compiles it for the emulation.
 #include "collision/cuda/collide.cuh"
+#include "collision/cuda/distance.cuh"
 #include "collision/cuda/sweep.cuh"
 #include "collision/device.h"
 #include "gpu/platform.cuh"
@@ -15,6 +16,11 @@ void collide(const collision::CollideJob& job) {
 void sweep(const collision::SweepJob& job) {
   const DeviceScope scope(job.device);
   run_sweep(job, kBackend);
+}
+
+void distance(const collision::DistanceJob& job) {
+  const DeviceScope scope(job.device);
+  run_distance(job, kBackend);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -23,11 +23,18 @@ struct DeviceBodyView {
   collision::FieldView field;
   const collision::Sphere16* spheres[kMostLevels];  ///< by level, as in BodyBvh
   const Boxes16* boxes[kMostLevels];
+  const collision::Obb16* oriented[kMostLevels + 1];  ///< none at 0
   const collision::Triangle16* triangles;
   const double* corners;  ///< nine numbers per triangle, by index in the BVH
   Triple<double> middle;
   std::uint32_t triangle_count;
   int top;  ///< the top level
+
+  /// The number of nodes of a level.
+  STANDOFF_DEVICE std::uint32_t nodes_of(int level) const {
+    const int bits = 4 * (level + 1);
+    return static_cast<std::uint32_t>((std::uint64_t{triangle_count} + (std::uint64_t{1} << bits) - 1) >> bits);
+  }
 };
 
 /// Loads the corners of a triangle, by its index in the BVH, in the body's own coordinates.
@@ -66,6 +73,7 @@ class DeviceBody : public gpu::DeviceCopy {
     for (int level = 0; level <= view_.top; ++level) {
       view_.spheres[level] = put(data.bvh.spheres[level]);
       view_.boxes[level] = put(data.bvh.tree.level(level));
+      view_.oriented[level + 1] = put(data.bvh.oriented[static_cast<std::size_t>(level) + 1]);
     }
     view_.triangles = put(data.bvh.triangles);
     view_.corners = reinterpret_cast<const double*>(put(data.corners));
@@ -118,6 +126,13 @@ class NodeStack {
     __syncwarp();
   }
   STANDOFF_DEVICE bool empty() const { return count_ == 0; }
+  STANDOFF_DEVICE int count() const { return count_; }
+  STANDOFF_DEVICE const Entry& from_top(int n) const { return entries_[count_ - 1 - n]; }
+  /// Takes entries off that all lanes have read.
+  STANDOFF_DEVICE void drop(int count) {
+    count_ -= count;
+    __syncwarp();
+  }
   STANDOFF_DEVICE int top_level() const { return level_of(word_of(entries_[count_ - 1])); }
 
   /// Pops two packets, one for each half of the warp. The second half gets `none` if there is only one, or if the level

@@ -8,5 +8,6 @@ namespace standoff::cuda {
 
 void collide(const collision::CollideJob&) { throw Error(ErrorCode::device, why_not_available()); }
 void sweep(const collision::SweepJob&) { throw Error(ErrorCode::device, why_not_available()); }
+void distance(const collision::DistanceJob&) { throw Error(ErrorCode::device, why_not_available()); }
 
 }  // namespace standoff::cuda
