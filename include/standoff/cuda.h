@@ -66,8 +66,9 @@ struct Outcome {
   unsigned long long samples_band;
   unsigned long long doubts;  ///< 0, or why the values did not get the sign asked for. kOpen: edges do not cancel.
                               ///< kNotOutwards: a part of the mesh is not closed by itself, or faces inwards, or there
-                              ///< are more than 65536 parts. kTooDeep: more than 127 layers of the surface between two
-                              ///< samples. The magnitudes are right then, the signs are undefined
+                              ///< are more than 65536 parts. kTooDeep: 127 or more layers of the surface between two
+                              ///< samples, which are sometimes counted. The magnitudes are right then, the signs are
+                              ///< undefined
 };
 
 /// One field to compute.
@@ -81,6 +82,7 @@ struct Task {
   /// Samples inside are negative, as in the field of compute(), if the mesh is closed and all its parts face outwards.
   /// The device finds out whether they do; if not, the outcome has doubts. `method` is none, or winding or automatic,
   /// which are the same here; `rule`, `invert` and `as_oriented` are obeyed; `strict` changes nothing.
+  /// All triangles count for it, whatever is `kept`; one that is not valid is found after the values were written.
   SignOptions sign = {.method = SignMethod::none};
 };
 

@@ -193,19 +193,20 @@ def _makes_arrays(like: Any) -> bool:
 class Pool:
     """Gives workspace as arrays of a library, which come from its pool."""
 
-    def __init__(self, like: Any) -> None:
+    def __init__(self, like: Any, stream: int) -> None:
         self._like = like
+        self._stream = stream
         self._taken: dict[int, Any] = {}
 
     @staticmethod
-    def of(like: Any) -> Pool | None:
-        """That of the library of an array, if it makes arrays."""
-        return Pool(like) if _makes_arrays(like) else None
+    def of(like: Any, stream: int) -> Pool | None:
+        """That of the library of an array, if it makes arrays. `stream` is the one that works."""
+        return Pool(like, stream) if _makes_arrays(like) else None
 
     def allocate(self, size: int) -> int:
         """The address of so many bytes, a multiple of 256."""
         array = new_values(self._like, (-(-size // 4) + 64, 1, 1))
-        start = device_array(array, "workspace").pointer
+        start = device_array(array, "workspace", self._stream).pointer
         start += -start % 256
         self._taken[start] = array
         return start

@@ -93,4 +93,4 @@ def _stream(meshes: Sequence[MeshOnDevice], planned: Sequence[_Planned] = ()) ->
         others |= mesh.other_streams()
     for each in planned:
         others |= each.mesh.other_streams(each.values)
-    return _core.Stream(*meshes[0].worker, sorted(others), Pool.of(meshes[0].source))
+    return _core.Stream(*meshes[0].worker, sorted(others), Pool.of(meshes[0].source, meshes[0].worker[2]))

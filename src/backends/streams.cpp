@@ -10,6 +10,7 @@
 #include "core/guarded.h"
 #include "core/tile_count.h"
 #include "field/backend.h"
+#include "field/cuda/capacity.h"
 #include "field/plan.h"
 #include "gpu/devices.h"
 #include "sign/plan.h"
@@ -71,6 +72,7 @@ void check(const FieldRequest& request, const OnStream& on) {
   options.method = request.method;
   validate(request.thickness, options);
   validate(request.grid);
+  check_grid(request.grid);
   validate(request.sign);
   if (!find_info(request.sign.method)->at_samples && request.sign.method != SignMethod::none)
     throw Error(

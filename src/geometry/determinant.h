@@ -12,6 +12,8 @@
 
 namespace standoff {
 
+STANDOFF_INLINE int sign_of(double value) { return (value > 0) - (value < 0); }
+
 /// A point in the plane.
 struct Flat {
   double x, y;

@@ -32,19 +32,17 @@ double value_of_determinant2d(const Flat& a, const Flat& b, const Flat& c, doubl
       });
 }
 
-int sign(double value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
-
 }  // namespace
 
 int orient3d_beyond_rounding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  return sign(value_of_determinant3d(a, b, c, d, 1));
+  return sign_of(value_of_determinant3d(a, b, c, d, 1));
 }
 double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return value_of_determinant3d(a, b, c, d, kTellsValue);
 }
 
 int orient2d_beyond_rounding(const Flat& a, const Flat& b, const Flat& c) {
-  return sign(value_of_determinant2d(a, b, c, 1));
+  return sign_of(value_of_determinant2d(a, b, c, 1));
 }
 double determinant2d(const Flat& a, const Flat& b, const Flat& c) {
   return value_of_determinant2d(a, b, c, kTellsValue);

@@ -20,6 +20,9 @@ using cuda::Outcome;
 using cuda::Task;
 #endif
 
+/// The outcome of a task that has not begun.
+STANDOFF_DEVICE Outcome no_outcome() { return {0, Outcome::kNone, 0, 0, 0, 0, 0}; }
+
 /// Makes all later kernels write nothing.
 STANDOFF_DEVICE void stop(Outcome* outcome) { atomicAdd(&outcome->stopped, Counter{1}); }
 
@@ -62,9 +65,9 @@ STANDOFF_DEVICE bool is_valid(const DeviceMesh& mesh, std::uint32_t triangle, Ou
   return valid;
 }
 
-/// Throws Error{usage} if there is no triangle, or one whose index is kNoTriangle.
+/// Throws Error{usage} if there is no triangle, or one whose index is kNoTriangle, or fewer than are to be used.
 inline void check_count(const DeviceMesh& mesh) {
-  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle)
+  if (mesh.used_count() < 1 || mesh.triangle_count >= kNoTriangle || mesh.used_count() > mesh.triangle_count)
     throw Error(ErrorCode::usage, "cuda: the mesh has " + std::to_string(mesh.used_count()) +
                                       " triangles to use; give it 1 to 4294967294");
 }

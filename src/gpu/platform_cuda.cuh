@@ -96,7 +96,7 @@ inline void copy_out(void* to, const void* from, std::int64_t bytes, const CallS
              at);
 }
 
-/// Copies on the stream, from or to pinned memory.
+/// Copies on the stream. From or to memory that is not pinned it takes longer; the memory must last until it is done.
 inline void copy_in_later(void* to, const void* from, std::int64_t bytes, Stream stream,
                           const CallSite& at = CallSite::current()) {
   check_call(cudaMemcpyAsync(to, from, static_cast<std::size_t>(bytes), cudaMemcpyHostToDevice, stream),

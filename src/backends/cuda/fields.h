@@ -2,6 +2,8 @@
 // Fields on a GPU, by CUDA and by its emulation on the CPU: the functions of the table of backends, and for tests.
 #pragma once
 
+#include <new>
+
 #include "field/backend.h"
 #include "standoff/cuda.h"
 #include "standoff/cuda_batch.h"
@@ -32,7 +34,8 @@ namespace standoff::cuda {
 // single meshes are among the answers. Errors of the device are thrown, and so is gpu::OutOfMemory if the meshes do not
 // all fit at once.
 
-/// Runs `work` for a mesh. An error in its input becomes its answer; an error of the device ends the call.
+/// Runs `work` for a mesh. An error in its input becomes its answer, and so does a lack of host memory; an error of the
+/// device ends the call.
 template <class Answer, class Work>
 void answer_with(OrError<Answer>& answer, const Work& work) {
   try {
@@ -40,6 +43,8 @@ void answer_with(OrError<Answer>& answer, const Work& work) {
   } catch (const Error& error) {
     if (error.code() == ErrorCode::device) throw;
     answer = error;
+  } catch (const std::bad_alloc&) {
+    answer = Error(ErrorCode::limit, "cuda: the host has no memory for this mesh; provide more, or take a smaller one");
   }
 }
 

@@ -97,7 +97,7 @@ struct Wanted {
   // Returns whether the lists did not fit, and then asks for more entries.
   bool wants_more(const Outcome& seen) {
     const bool is_short = seen.stopped != 0 && seen.bad_triangle == Outcome::kNone &&
-                          seen.needed_entries != Outcome::kNone &&
+                          seen.needed_entries < Outcome::kNoOrder &&
                           seen.needed_entries > static_cast<unsigned long long>(entries);
     // The number needed is a lower bound: ask for half as much again.
     if (is_short) entries = static_cast<std::int64_t>(seen.needed_entries + seen.needed_entries / 2);
@@ -119,7 +119,7 @@ SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Cal
   const Occupancy found = occupancy(copied(mesh), request.grid, {.sign = request.sign});
   const auto bytes = static_cast<std::int64_t>(found.bits.size());
   unsigned char* const bits = room.room_for<unsigned char>(bytes);
-  copy_in(bits, found.bits.data(), bytes);
+  copy_in_later(bits, found.bits.data(), bytes, stream);
   const Size3& size = request.grid.size;
   launch(stream, "sign by bits", sign_by_bits, std::min<std::int64_t>(kManyBlocks, bytes / kSignThreads + 1),
          kSignThreads, bits, found.row_bytes(), size.y * size.z, size.x, request.values);

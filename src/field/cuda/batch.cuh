@@ -33,7 +33,7 @@ STANDOFF_KERNEL void place_fields(BatchTask task, ManyFields fields) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n >= task.count) return;
   Outcome* const outcome = task.outcomes + n;
-  *outcome = {0, Outcome::kNone, 0, 0, 0, 0};
+  *outcome = no_outcome();
   PlacedField& made = fields.all[n];
   made = {};
   made.outcome = outcome;

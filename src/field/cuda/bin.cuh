@@ -225,7 +225,7 @@ STANDOFF_KERNEL void __launch_bounds__(kThreads)
 }
 
 STANDOFF_KERNEL void clear_outcome(Outcome* outcome, Counter* counters, int count) {
-  *outcome = {0, Outcome::kNone, 0, 0, 0, 0, 0};
+  *outcome = no_outcome();
   for (int n = 0; n < count; ++n) counters[n] = 0;
 }
 

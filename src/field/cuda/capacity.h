@@ -9,6 +9,8 @@
 #include <string>
 
 #include "core/tile_count.h"
+#include "field/lattice.h"
+#include "field/prepare.h"
 #include "field/tolerances.h"
 #include "standoff/compute.h"
 #include "standoff/cuda_batch.h"
@@ -35,6 +37,14 @@ inline void check_counts(std::int64_t triangles, double thickness, std::int64_t 
                                       " list entries are out of range; give at most 4e9 and 2^40, none negative");
   if (!(thickness > 0))
     throw Error(ErrorCode::usage, "cuda: the thickness must be positive; infinity gives a full field");
+}
+
+/// Throws Error{usage} for a grid that the kernels cannot use. Requires a valid grid.
+inline void check_grid(const Grid& grid) {
+  if (!begins_at_brick(grid))
+    throw Error(ErrorCode::usage, "cuda: a window must begin at multiples of 16 samples of its grid");
+  if (!has_float_spacing(grid))
+    throw Error(ErrorCode::usage, "cuda: distances would not fit into float; give spacings of other units");
 }
 
 /// Estimates the list entries of the method `tiles`, for callers who must allocate before they are counted. Thin bands:

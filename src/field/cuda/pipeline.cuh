@@ -285,9 +285,8 @@ std::int64_t needed_bytes(std::int64_t triangles, const Lattice& l, std::int64_t
 inline void check_task(const Task& task) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::usage, "cuda: " + what); };
   validate(task.grid);
-  if (!begins_at_brick(task.grid)) fail("a window must begin at multiples of 16 samples of its grid");
+  check_grid(task.grid);
   if (!(task.thickness > 0)) fail("the thickness must be positive; infinity gives a full field");
-  if (!has_float_spacing(task.grid)) fail("distances would not fit into float; give spacings of other units");
   check_count(task.mesh);
   if (!task.mesh.vertices || !task.mesh.triangles || !task.output.values || !task.outcome)
     fail("vertices, triangles, values and outcome must point to device memory; one is null");

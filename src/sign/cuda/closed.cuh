@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a mesh in device memory is closed and faces outwards: the sums of diagnosis/closed.cpp, with the same
-// thresholds. The sum that tells whether it is closed is one of integers, the same in any order. The sums of a part,
-// the triangles that share vertices, are rounded in another order each time. That decides no bit of a field: where a
-// mesh is taken for one that does not face outwards, the CPU diagnoses it.
+// Whether a mesh in device memory is closed and faces outwards, by the sums of diagnosis/closed.cpp. The sum that tells
+// whether it is closed is one of integers, the same in any order. The sums of a part, the triangles that share
+// vertices, are rounded in another order each time. So a part that is near to a threshold is left to the CPU.
 #pragma once
 
 #include <algorithm>
@@ -28,15 +27,20 @@ struct MeshParts {
   static constexpr std::uint32_t kNoNumber = 0xffffffffu;
 
   Totals* totals;
-  OutwardTerms* sums;     // of a part, kMostMeshParts
+  OutwardTerms* sums;     // of a part, most_parts
   std::uint32_t* link;    // of a vertex: a lower vertex of the same part, or itself
   std::uint32_t* number;  // of a part, at its lowest vertex
+  std::int64_t most_parts;
 
-  MeshParts(gpu::Workspace& memory, const DeviceMesh& mesh)
+  /// `joins`: whether parts are wanted.
+  MeshParts(gpu::Workspace& memory, const DeviceMesh& mesh, bool joins)
       : totals(memory.take<Totals>(1)),
-        sums(memory.take<OutwardTerms>(kMostMeshParts)),
-        link(memory.take<std::uint32_t>(mesh.vertex_count)),
-        number(memory.take<std::uint32_t>(mesh.vertex_count)) {}
+        most_parts(joins ? std::min<std::int64_t>(kMostMeshParts, mesh.triangle_count) : 0) {
+    const std::int64_t vertices = joins ? mesh.vertex_count : 0;
+    sums = memory.take<OutwardTerms>(most_parts);
+    link = memory.take<std::uint32_t>(vertices);
+    number = memory.take<std::uint32_t>(vertices);
+  }
 };
 
 STANDOFF_DEVICE Vec3 vec_at(const DeviceMesh& mesh, std::int64_t vertex) { return vec_of(vertex_of(mesh, vertex)); }
@@ -159,13 +163,13 @@ STANDOFF_KERNEL void judge_parts(MeshParts parts, bool joins, Outcome* outcome) 
   const std::uint32_t count = parts.totals->parts;
   for (std::uint32_t n = threadIdx.x; joins && n < count && count <= kMostMeshParts; n += blockDim.x) {
     if (parts.sums[n].has_area()) atomicOr(&parts.totals->with_area, 1u);
-    if (!parts.sums[n].faces_outwards()) atomicOr(&outcome->doubts, Counter{Outcome::kNotOutwards});
+    if (!parts.sums[n].surely_faces_outwards()) atomicOr(&outcome->doubts, Counter{Outcome::kNotOutwards});
   }
   __syncthreads();
   if (threadIdx.x != 0) return;
   if (parts.totals->area != 0) atomicOr(&outcome->doubts, Counter{Outcome::kOpen});
-  // Too many parts have no sums.
-  if (joins && parts.totals->with_area == 0) atomicOr(&outcome->doubts, Counter{Outcome::kNotOutwards});
+  if (joins && (count > kMostMeshParts || parts.totals->with_area == 0))
+    atomicOr(&outcome->doubts, Counter{Outcome::kNotOutwards});
 }
 
 /// Launches all of it. `as_oriented`: whether it does not matter which way the parts face.
@@ -180,7 +184,7 @@ inline void enqueue_closed(const DeviceMesh& mesh, const MeshParts& parts, bool 
   if (!as_oriented) launch(stream, "begin parts", begin_parts, of_vertices, kClosedThreads, parts, mesh.vertex_count);
   launch(stream, "sum areas", sum_areas, of_triangles, kClosedThreads, mesh, parts, !as_oriented, outcome);
   if (!as_oriented) {
-    fill_bytes(stream, parts.sums, 0, kMostMeshParts * static_cast<std::int64_t>(sizeof(OutwardTerms)));
+    fill_bytes(stream, parts.sums, 0, parts.most_parts * static_cast<std::int64_t>(sizeof(OutwardTerms)));
     launch(stream, "follow links", follow_links, of_vertices, kClosedThreads, parts, mesh.vertex_count, outcome);
     launch(stream, "number parts", number_parts, of_triangles, kClosedThreads, mesh, parts, outcome);
     launch(stream, "sum parts", sum_parts, of_triangles, kClosedThreads, mesh, parts, outcome);

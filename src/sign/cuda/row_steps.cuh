@@ -55,8 +55,6 @@ struct RowTask {
 // The signs of determinants that the first stage leaves open, in three ways, each of which takes longer than the one
 // before. `undecided` is set where one gives up.
 
-STANDOFF_DEVICE int sign_of(double value) { return (value > 0) - (value < 0); }
-
 /// None.
 struct NoSigns {
   bool undecided = false;
@@ -227,10 +225,15 @@ STANDOFF_DEVICE void add_rows(const RowTask& task, const RowsOfLane& rows, doubl
   } while (__ballot_sync(0xffffffffu, n < rows.end) != 0);
 }
 
+/// Whether there will be no sign, for a reason that no thread of the scan adds: so all answer alike.
+STANDOFF_DEVICE bool is_left_out(const Outcome& outcome) {
+  return outcome.stopped != 0 || (load_relaxed(&outcome.doubts) & (Outcome::kOpen | Outcome::kNotOutwards)) != 0;
+}
+
 /// A thread per triangle. Lists the triangles with many rows.
 STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_rows(STANDOFF_CONSTANT RowTask task) {
   __shared__ double parts[kRowThreads / 32][Expansion::kMostParts];
-  if (task.outcome->stopped != 0) return;
+  if (is_left_out(*task.outcome)) return;
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   const auto triangle = static_cast<std::uint32_t>(n);
   RowBlock rows{};
@@ -250,7 +253,7 @@ STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_rows(STANDOFF_CONSTANT 
 /// Warps share the triangles with many rows.
 STANDOFF_KERNEL void __launch_bounds__(kRowThreads) scan_long_rows(STANDOFF_CONSTANT RowTask task) {
   __shared__ double parts[kRowThreads / 32][Expansion::kMostParts];
-  if (task.outcome->stopped != 0) return;
+  if (is_left_out(*task.outcome)) return;
   const auto count = static_cast<std::int64_t>(*task.long_ones.count);
   if (count == 0) return;
   const std::int64_t warps = std::int64_t{gridDim.x} * (blockDim.x / 32), shares = warps > count ? warps / count : 1;

@@ -109,8 +109,10 @@ struct SignArrays {
   std::int64_t layers_at_once;
 
   SignArrays(gpu::Workspace& memory, const Task& task, std::int64_t most_step_bytes = kMostStepBytes)
-      : parts(memory, task.mesh) {
+      : parts(memory, task.mesh, !task.sign.as_oriented) {
     const Size3 tiles = DistanceField::tiles_of(task.grid.size);
+    if (tiles.x > (std::int64_t{1} << 40) / tiles.y)
+      throw Error(ErrorCode::limit, "cuda: a layer of the grid has too many samples for a sign; take a smaller one");
     const std::int64_t layer = kTileSamples * tiles.x * tiles.y;
     layers_at_once = std::clamp<std::int64_t>(most_step_bytes / layer, 1, tiles.z);
     long_ones = {memory.take<std::uint32_t>(task.mesh.triangle_count), memory.take<Counter>(1)};

@@ -49,6 +49,11 @@ struct OutwardTerms {
   STANDOFF_HD bool faces_outwards() const {
     return largest(normal) <= kRounding * normal_magnitude && (!has_area() || volume > kRounding * volume_magnitude);
   }
+  /// The same, of sums in any order: false also where rounding in another order might change the answer.
+  STANDOFF_HD bool surely_faces_outwards() const {
+    return largest(normal) <= kRounding / 2 * normal_magnitude &&
+           (!has_area() || volume > 2 * kRounding * volume_magnitude);
+  }
   STANDOFF_HD bool has_area() const { return normal_magnitude > 0; }
 
  private:

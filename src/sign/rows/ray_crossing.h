@@ -8,7 +8,7 @@
 // and Muecke 1990). That point is on no triangle with an area.
 //
 // The functions run on host and device. What decides signs beyond rounding is a parameter, as a GPU has little memory
-// for it (cuda/row_scan.cuh).
+// for it (cuda/row_steps.cuh).
 //
 // A ray along y or z is a ray along x in rotated coordinates: (y, z, x) or (z, x, y). Samples must stand for the same
 // points then, so that crossings along the three axes agree. They are displaced most along y, then along z, then along
@@ -90,8 +90,6 @@ class RayTriangle {
 
  private:
   STANDOFF_HD Flat flat(int n) const { return {t_[static_cast<std::size_t>(n)].y, t_[static_cast<std::size_t>(n)].z}; }
-
-  STANDOFF_HD static int sign_of(double value) { return (value > 0) - (value < 0); }
 
   // On which side of the line from corner n to the next one the point (y, z) is: 1 left, -1 right. 0 only if both have
   // the same y and z.

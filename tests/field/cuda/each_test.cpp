@@ -145,6 +145,26 @@ TEST(CudaEach, ErrorsAreThoseOfSingleMeshes) {
   EXPECT_EQ(error_of(answers[5])->details().triangle, 11);
 }
 
+// What only one field's launch or lists can tell is that field's error too.
+TEST(CudaEach, OneFieldThatCannotBeStartedIsItsOwnError) {
+  const Mesh mesh = testing::random_soup(91, 40, 4, 1.2);
+  const Grid grid = grid_of(12, 0.7);
+  Grid far = grid;
+  far.origin = {1000, 1000, 1000};
+  Batch batch;
+  batch.add(mesh, grid, 1, Method::jumpflood);
+  batch.add(mesh, far, 1, Method::jumpflood);  // no sample is near the surface
+  batch.add(mesh, grid.window({4, 0, 0}, {8, 8, 8}), 1);
+  batch.add(mesh, grid, 1);
+  const auto answers = batch.run();
+  EXPECT_EQ(error_of(answers[0]), nullptr);
+  ASSERT_NE(error_of(answers[1]), nullptr);
+  EXPECT_EQ(error_of(answers[1])->code(), ErrorCode::input) << error_of(answers[1])->what();
+  ASSERT_NE(error_of(answers[2]), nullptr);
+  EXPECT_EQ(error_of(answers[2])->code(), ErrorCode::usage);
+  EXPECT_EQ(error_of(answers[3]), nullptr);
+}
+
 TEST(CudaEach, BoxesOfMany) {
   std::vector<Mesh> meshes;
   for (unsigned n = 0; n < 5; ++n) meshes.push_back(testing::random_soup(95 + n, 30, 4, 1.2));

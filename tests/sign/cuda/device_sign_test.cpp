@@ -14,6 +14,7 @@
 #include "gpu/emulation/block.h"
 #include "scenes/scenes.h"
 #include "sign/cuda/sign.cuh"
+#include "sign/diagnosis/closed.h"
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"
@@ -258,6 +259,41 @@ TEST(DeviceSign, DoubtsAreToldAndTheHostDecides) {
   }
 }
 
+// Tetrahedra around one vertex, as many facing inwards: about so much, as a share of the magnitude, is left of the
+// volume.
+Mesh balanced(unsigned seed, double excess) {
+  testing::Random random(seed);
+  Mesh mesh{{{0, 0, 0}}, {}};
+  for (int n = 0; n < 7; ++n) {
+    Vec3 a = random.in_cube(2) + Vec3{3, 3, 3}, b = random.in_cube(2) + Vec3{3, 3, 3},
+         c = random.in_cube(2) + Vec3{3, 3, 3};
+    if (dot(a, cross(b, c)) < 0) std::swap(b, c);
+    for (const double way : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      const double longer = n == 0 && way > 0 ? 1 + 14 * excess : 1;
+      mesh.vertices.insert(mesh.vertices.end(), {a * (way * longer), b * way, c * way});
+      for (const Triangle& t : {Triangle{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}})
+        mesh.triangles.push_back(
+            {t[0] ? first + t[0] - 1 : 0, t[1] ? first + t[1] - 1 : 0, t[2] ? first + t[2] - 1 : 0});
+    }
+  }
+  return mesh;
+}
+
+// The device rounds sums in another order: where that might matter it has doubts.
+TEST(DeviceSign, PartsNearAThresholdAreLeftToTheCpu) {
+  int outwards = 0, signed_ones = 0;
+  for (unsigned seed = 1; seed < 9; ++seed)
+    for (const double share : {0.0, 0.5, 0.97, 0.99, 0.999, 1.0, 1.001, 1.01, 1.03, 1.5, 4.0, 10.0}) {
+      const Mesh mesh = balanced(seed, share * OutwardTerms::kRounding);
+      const bool on_cpu = faces_outwards(mesh), on_device = dense(mesh, kWholeGrid, 2).outcome.doubts == 0;
+      EXPECT_TRUE(on_cpu || !on_device) << seed << ' ' << share;
+      outwards += on_cpu, signed_ones += on_device;
+    }
+  EXPECT_GT(outwards, signed_ones);  // between the thresholds
+  EXPECT_GT(signed_ones, 0);
+}
+
 // Whole calls: each mesh gets its sign, from wherever it comes.
 TEST(DeviceSign, MeshesOfOneCallAreDecidedOneByOne) {
   const Mesh closed = moved(sphere(), {4, 4, 4}, 3.3), open = testing::terrain(), inward = reversed(closed);
@@ -310,6 +346,16 @@ TEST(DeviceSign, WhatHasNoSignIsAnError) {
   Mesh broken = mesh;
   broken.triangles[3][0] = 4711;
   EXPECT_EQ(asked(broken, {}), ErrorCode::input);
+
+  cuda::Task wide = task_of(mesh, {{std::int64_t{1} << 31, std::int64_t{1} << 31, 1}, {}, {1, 1, 1}}, 2, {});
+  EXPECT_EQ(code_of([&] { emulated::workspace_bytes(wide, 0); }), ErrorCode::limit);
+  wide = task_of(mesh, kWholeGrid, 2, {});
+  const std::uint32_t none_kept = 0;
+  wide.mesh.kept = &none_kept;
+  wide.mesh.kept_count = 1;
+  wide.mesh.triangle_count = 0;
+  wide.output.values = values.data();
+  EXPECT_EQ(code_of([&] { run(wide); }), ErrorCode::usage);
 
   std::vector<std::int32_t> slots(27);
   cuda::Task task = task_of(mesh, kWholeGrid, 0.5, {});
