@@ -29,7 +29,7 @@ TriangleArray triangles_of(const DeviceRows& rows) {
   return {reinterpret_cast<const Index*>(at), count, static_cast<std::ptrdiff_t>(stride)};
 }
 
-MeshView view_of(const DeviceRows& vertices, const DeviceRows& faces) {
+MeshView device_view_of(const DeviceRows& vertices, const DeviceRows& faces) {
   const std::string &v = std::get<1>(vertices), &f = std::get<1>(faces);
   MeshView view;
   if (v == "f8")
@@ -117,7 +117,7 @@ nb::list list_of(const std::vector<cuda::OrError<Answer>>& answers, const Conver
 // These wait on the caller's thread: a stream of CUDA's may be that of its thread.
 nb::list bounds_on_device(const std::vector<DeviceMeshInput>& meshes, const StreamInput& stream) {
   std::vector<MeshView> views;
-  for (const auto& [vertices, faces] : meshes) views.push_back(view_of(vertices, faces));
+  for (const auto& [vertices, faces] : meshes) views.push_back(device_view_of(vertices, faces));
   std::vector<cuda::OrError<Box>> boxes;
   {
     const Unlocked released;
@@ -136,7 +136,7 @@ nb::list compute_on_device(const std::vector<DeviceFieldInput>& fields, const nb
   std::vector<cuda::FieldRequest> requests;
   for (const auto& [vertices, faces, grid, thickness, values] : fields)
     requests.push_back(
-        {view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, asked});
+        {device_view_of(vertices, faces), grid.grid(), thickness, reinterpret_cast<float*>(values), chosen, asked});
   double seconds = 0;
   std::vector<cuda::OrError<ComputeReport>> reports;
   {
