@@ -83,7 +83,7 @@ struct Task {
   /// The device finds out whether they do; if not, the outcome has doubts. `method` is none, or winding or automatic,
   /// which are the same here; `rule`, `invert` and `as_oriented` are obeyed; `strict` changes nothing.
   /// All triangles count for it, whatever is `kept`; one that is not valid is found after the values were written.
-  SignOptions sign = {.method = SignMethod::none};
+  SignOptions sign = SignOptions{SignMethod::none};
 };
 
 /// An estimate of the number of list entries, which is enough for most meshes of this size. Outcome::needed_entries

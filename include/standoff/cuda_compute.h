@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -24,10 +25,9 @@ namespace standoff::cuda {
 /// it. Both functions or none; none: cudaMalloc and cudaFree.
 struct Allocator {
   /// Returns memory on the call's device, aligned to 256 bytes; null if there is none.
-  void* (*allocate)(std::int64_t bytes, void* context) = nullptr;
+  std::function<void*(std::int64_t bytes)> allocate = {};
   /// Takes it back; no work on it is left. Must not throw.
-  void (*release)(void* memory, void* context) = nullptr;
-  void* context = nullptr;
+  std::function<void(void* memory)> release = {};
 };
 
 /// Whose memory the arrays of a call lie in, and which stream works on them.
@@ -63,7 +63,7 @@ struct FieldRequest {
   double thickness = 0;     ///< world units, may be infinite
   float* values = nullptr;  ///< in device memory, one float per sample, x fastest
   Method method = Method::tiles;
-  SignOptions sign = {.method = SignMethod::none};
+  SignOptions sign = SignOptions{SignMethod::none};
 };
 
 /// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the

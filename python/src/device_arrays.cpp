@@ -53,9 +53,8 @@ MeshView device_view_of(const DeviceRows& vertices, const DeviceRows& faces) {
 
 // The pool of a library of Python (_device_arrays.py, Pool). What goes wrong there counts as no memory.
 
-void* allocate_by(std::int64_t bytes, void* context) {
+void* allocate_by(const nb::handle& pool, std::int64_t bytes) {
   const Locked held;
-  const nb::handle pool(static_cast<PyObject*>(context));
   const nb::object size = nb::int_(bytes), name = nb::str("allocate");
   const auto given =
       nb::steal(ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), size.ptr(), nullptr); }));
@@ -64,9 +63,8 @@ void* allocate_by(std::int64_t bytes, void* context) {
   PyErr_Clear();
   return nullptr;
 }
-void release_by(void* memory, void* context) {
+void release_by(const nb::handle& pool, void* memory) {
   const Locked held;
-  const nb::handle pool(static_cast<PyObject*>(context));
   const nb::object at = nb::steal(PyLong_FromVoidPtr(memory)), name = nb::str("release");
   const auto done =
       nb::steal(ask_python([&] { return PyObject_CallMethodObjArgs(pool.ptr(), name.ptr(), at.ptr(), nullptr); }));
@@ -81,11 +79,17 @@ struct StreamInput {
   nb::object pool;
 
   cuda::OnStream on() const {
-    return {.backend = emulated ? testing::kEmulated : Backend::cuda,
-            .device = device,
-            .stream = streams[0],
-            .after = std::span(streams).subspan(1),
-            .memory = pool.is_none() ? cuda::Allocator{} : cuda::Allocator{allocate_by, release_by, pool.ptr()}};
+    cuda::OnStream on{.backend = emulated ? testing::kEmulated : Backend::cuda,
+                      .device = device,
+                      .stream = streams[0],
+                      .after = std::span(streams).subspan(1)};
+    if (!pool.is_none()) {
+      // Without a count of its own: it is called, copied and dropped without the lock.
+      const nb::handle from = pool;
+      on.memory = {[from](std::int64_t bytes) { return allocate_by(from, bytes); },
+                   [from](void* memory) { release_by(from, memory); }};
+    }
+    return on;
   }
 };
 

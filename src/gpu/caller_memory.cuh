@@ -37,7 +37,7 @@ class CallerMemory {
 
  private:
   void take(std::int64_t bytes) {
-    given_ = from_.allocate(bytes, from_.context);
+    given_ = from_.allocate(bytes);
     if (!given_)
       throw gpu::OutOfMemory(ErrorCode::limit,
                              "cuda: the caller's allocator has no " + std::to_string((bytes + (1 << 20) - 1) >> 20) +
@@ -52,7 +52,7 @@ class CallerMemory {
     bytes_ = bytes;
   }
   void give_back() {
-    if (given_) from_.release(given_, from_.context);
+    if (given_) from_.release(given_);
     given_ = nullptr;
     bytes_ = 0;
   }

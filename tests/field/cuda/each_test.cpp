@@ -234,15 +234,14 @@ struct Pool {
   std::int64_t taken = 0, calls = 0, offset = 0;
 
   cuda::Allocator allocator() {
-    return {[](std::int64_t bytes, void* context) -> void* {
-              Pool& pool = *static_cast<Pool*>(context);
-              ++pool.calls;
-              if (bytes > pool.most) return nullptr;
-              ++pool.taken;
-              pool.memory.push_back(std::make_unique<emulated::Memory>(bytes + 256));
-              return pool.memory.back()->as<char>() + pool.offset;
+    return {[this](std::int64_t bytes) -> void* {
+              ++calls;
+              if (bytes > most) return nullptr;
+              ++taken;
+              memory.push_back(std::make_unique<emulated::Memory>(bytes + 256));
+              return memory.back()->as<char>() + offset;
             },
-            [](void*, void* context) { --static_cast<Pool*>(context)->taken; }, this};
+            [this](void*) { --taken; }};
   }
 };
 
