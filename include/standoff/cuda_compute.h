@@ -21,13 +21,16 @@
 
 namespace standoff::cuda {
 
+using AllocateCallback = std::function<void*(std::int64_t bytes)>;
+using ReleaseCallback = std::function<void(void* memory)>;
+
 /// Where a call takes the device memory that it needs beside the arrays: from a caller's pool, so that none lies beside
 /// it. Both functions or none; none: cudaMalloc and cudaFree.
 struct Allocator {
   /// Returns memory on the call's device, aligned to 256 bytes; null if there is none.
-  std::function<void*(std::int64_t bytes)> allocate = {};
+  AllocateCallback allocate = {};
   /// Takes it back; no work on it is left. Must not throw.
-  std::function<void(void* memory)> release = {};
+  ReleaseCallback release = {};
 };
 
 /// Whose memory the arrays of a call lie in, and which stream works on them.
