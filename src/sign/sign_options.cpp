@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// The check of a sign's options, which plan.h declares. Apart from plan.cpp, as script/gpu-check links nothing else of
+// it.
 #include <cmath>
 #include <string>
 

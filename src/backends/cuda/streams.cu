@@ -105,6 +105,19 @@ struct Wanted {
   }
 };
 
+// Puts the fields on the stream, all in one workspace, and waits for it.
+void compute_once(std::span<const Wanted> wanted, CallerMemory& workspace, Meshes& meshes, Stream stream) {
+  std::vector<Task> tasks;
+  std::int64_t needed = 0;
+  for (const Wanted& one : wanted) {
+    tasks.push_back(one.task);
+    needed = std::max(needed, one.bytes());
+  }
+  char* const memory = workspace.room_for<char>(needed);
+  STANDOFF_PLATFORM::enqueue(tasks, memory, workspace.bytes(), stream);
+  meshes.look(stream);
+}
+
 Mesh copied(const DeviceMesh& mesh) {
   Mesh copy;
   copy.vertices.resize(static_cast<std::size_t>(mesh.vertex_count));
@@ -152,40 +165,32 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
       wanted.push_back(
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });
-  std::vector<Wanted> unsigned_ones;
+  std::vector<Wanted> left_to_host;
   CallerMemory workspace(on.memory);
   while (!wanted.empty()) {
-    std::vector<Task> tasks;
-    std::int64_t needed = 0;
-    for (const Wanted& one : wanted) {
-      tasks.push_back(one.task);
-      needed = std::max(needed, one.bytes());
-    }
-    char* const memory = workspace.room_for<char>(needed);
-    STANDOFF_PLATFORM::enqueue(tasks, memory, workspace.bytes(), on.stream);
-    meshes.look(on.stream);
+    compute_once(wanted, workspace, meshes, on.stream);
     std::vector<Wanted> again;
     for (Wanted& one : wanted) {
-      Outcome seen = meshes.outcome(one.place);
-      if (one.wants_more(seen)) {
+      FieldOutcome made;
+      made.outcome = meshes.outcome(one.place);
+      if (one.wants_more(made.outcome)) {
         again.push_back(one);
         continue;
       }
-      const SignOptions& sign = requests[one.place].sign;
-      const bool is_signed = sign.method == SignMethod::none || (is_sign_on_device(sign) && seen.doubts == 0);
-      if (!is_signed) unsigned_ones.push_back(one);
-      seen.doubts = 0;  // the host decides them
+      const bool on_device = one.task.sign.method != SignMethod::none;
+      if (on_device && made.outcome.doubts == 0)
+        made.sign = plan_of_closed(SignMethod::winding).report;
+      else if (on_device || requests[one.place].sign.method != SignMethod::none)
+        left_to_host.push_back(one);
+      made.outcome.doubts = 0;  // the host decides them
       answer_with(answers[one.place], [&] {
-        cuda::check(seen, one.task);
-        FieldOutcome made;
-        made.outcome = seen;
-        if (sign.method != SignMethod::none) made.sign = plan_of_closed(SignMethod::winding).report;
+        cuda::check(made.outcome, one.task);
         answers[one.place] = made;
       });
     }
     wanted = std::move(again);
   }
-  for (const Wanted& one : unsigned_ones)
+  for (const Wanted& one : left_to_host)
     answer_with(answers[one.place], [&] {
       if (FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]))
         found->sign = sign_by_host(one.task.mesh, requests[one.place], workspace, on.stream);

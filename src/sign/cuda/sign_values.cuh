@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which signs the device decides, and the sign of values whose bits the host decided.
+// Which signs the device decides, and the sign of values whose bits the host decided. Apart from sign.cuh, as each file
+// that includes a kernel compiles it.
 #pragma once
 
 #include <cstdint>
