@@ -48,7 +48,7 @@ Bvh::Bvh(MeshView mesh, std::vector<std::uint32_t> order, const BvhFrame& frame,
     nodes += count;
   }
   level_begin_.push_back(nodes);
-  boxes_ = {HugePageAllocator<Boxes16>().allocate(nodes), detail::FreeBoxes{nodes}};
+  boxes_ = HugePageArray<Boxes16>(nodes);
   box_triangles(mesh, progress, centroids);
   box_nodes(progress);
 }

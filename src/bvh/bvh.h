@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -52,15 +51,6 @@ struct BvhNode {
   const Boxes16* boxes;
 };
 
-namespace detail {
-
-struct FreeBoxes {
-  std::size_t count = 0;
-  void operator()(Boxes16* boxes) const { HugePageAllocator<Boxes16>().deallocate(boxes, count); }
-};
-
-}  // namespace detail
-
 /// An implicit hierarchy without pointers: triangles in an order (order.h) are the children of nodes, sixteen each;
 /// nodes, sixteen each, those of nodes of the level above; and so on. An *entry* is a triangle, by its place in the
 /// order (below triangles()), or from there on a node.
@@ -91,12 +81,12 @@ class Bvh {
   const std::vector<std::uint32_t>& order() const { return order_; }
   const BvhFrame& frame() const { return frame_; }
   /// The boxes of all nodes' children, and the first node of each level, that of triangles first; then the end.
-  const Boxes16* boxes() const { return boxes_.get(); }
+  const Boxes16* boxes() const { return boxes_.data(); }
   std::span<const std::uint32_t> level_begin() const { return level_begin_; }
   int top_level() const { return static_cast<int>(level_begin_.size()) - 2; }
   std::span<const Boxes16> level(int number) const {
     const auto n = static_cast<std::size_t>(number);
-    return {boxes_.get() + level_begin_[n], boxes_.get() + level_begin_[n + 1]};
+    return {boxes_.data() + level_begin_[n], boxes_.data() + level_begin_[n + 1]};
   }
   /// The box around all triangles.
   FloatBox box() const;
@@ -146,7 +136,7 @@ class Bvh {
   BvhFrame frame_;
   std::vector<std::uint32_t> order_;
   std::vector<std::uint32_t> level_begin_{0};
-  std::unique_ptr<Boxes16[], detail::FreeBoxes> boxes_;  // not a vector, whose zeros would be written by one thread
+  HugePageArray<Boxes16> boxes_;
 };
 
 // The ways through a hierarchy. Entries that wait are kept on the stack: sixteen children of each level.

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "bvh/boxes16.h"
+#include "core/memory.h"
 #include "geometry/triangle_box.h"
 
 namespace standoff {
@@ -90,7 +91,7 @@ constexpr int kMostCurves = 6;
 
 std::vector<std::uint32_t> curve_order(MeshView mesh, std::span<const std::uint32_t> among, ProgressMeter& progress,
                                        int curves) {
-  std::vector<KeyedIndex> keyed(among.empty() ? mesh.triangles.size() : among.size());
+  HugePageArray<KeyedIndex> keyed(among.empty() ? mesh.triangles.size() : among.size());
   for_each_center(mesh, among, progress, [&](std::size_t n, std::uint32_t triangle, const Vec3& at) {
     const auto cell = [](double v) { return static_cast<std::uint32_t>(v * 1023); };
     keyed[n] = {static_cast<std::uint32_t>(morton(cell(at.x), cell(at.y), cell(at.z))), triangle};

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/progress.h"
@@ -37,7 +38,7 @@ inline std::int64_t radix_sort_bytes(std::int64_t size, int threads) {
          radix_sort_chunks(size, threads) * static_cast<std::int64_t>(sizeof(RadixCounters));
 }
 
-/// `Items`: a vector of KeyedIndex. Runs on the threads of the calling TBB arena.
+/// `Items`: an array of KeyedIndex. Runs on the threads of the calling TBB arena.
 template <class Items>
 inline void radix_sort(Items& items, int threads) {
   constexpr std::uint32_t kBuckets = 1u << kRadixBits;
@@ -57,7 +58,7 @@ inline void radix_sort(Items& items, int threads) {
       for (std::int64_t n = size * chunk / chunks; n < size * (chunk + 1) / chunks; ++n)
         sorted[positions[chunk][bucket(items[n])]++] = items[n];
     });
-    items.swap(sorted);
+    std::swap(items, sorted);
   }
 }
 

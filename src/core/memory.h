@@ -5,9 +5,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "standoff/error.h"
@@ -199,6 +201,28 @@ struct HugePageAllocator {
 
 template <class T>
 using HugePageVector = std::vector<T, HugePageAllocator<T>>;
+
+/// An array that is not set at first: the zeros of a vector would be written by one thread.
+template <class T>
+class HugePageArray {
+ public:
+  HugePageArray() = default;
+  explicit HugePageArray(std::size_t size) : memory_(HugePageAllocator<T>().allocate(size), Free{size}) {}
+
+  std::size_t size() const { return memory_.get_deleter().size; }
+  T* data() { return memory_.get(); }
+  const T* data() const { return memory_.get(); }
+  T& operator[](std::size_t n) { return memory_[n]; }
+  const T& operator[](std::size_t n) const { return memory_[n]; }
+
+ private:
+  static_assert(std::is_trivially_destructible_v<T>);
+  struct Free {
+    std::size_t size = 0;
+    void operator()(T* memory) const { HugePageAllocator<T>().deallocate(memory, size); }
+  };
+  std::unique_ptr<T[], Free> memory_;
+};
 
 /// Asks for huge pages for fresh memory, which nobody has written to: its first use is then several times faster. A
 /// system without huge pages refuses, which does no harm.

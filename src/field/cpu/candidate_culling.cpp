@@ -78,8 +78,8 @@ CandidateCulling::CandidateCulling(const Job& job, const BlockLattice& lattice, 
     : job_(job),
       lattice_(lattice),
       kernels_(kernels),
-      centroids_(std::make_unique_for_overwrite<float[][3]>(order.size())),
-      bvh_(job.mesh, std::move(order), frame_of(lattice), job.progress, centroids_.get()),
+      centroids_(order.size()),
+      bvh_(job.mesh, std::move(order), frame_of(lattice), job.progress, centroids_.data()),
       roots_(Bvh::kFanout) {
   const BvhNode top = bvh_.node(bvh_.root());
   for (int n = 0; n < top.count; ++n) roots_.add(top.first + static_cast<std::uint32_t>(n), *top.boxes, n);
@@ -269,7 +269,7 @@ const std::uint32_t* CandidateCulling::first_triangles(const BoxList& list, Cand
 CrowdedCell CandidateCulling::crowded_cell(const Brick& brick, const Cell& cell, const BoxArrays& boxes) const {
   CrowdedCell crowded{.at = {},
                       .boxes = boxes,
-                      .points = centroids_.get(),
+                      .points = centroids_.data(),
                       .index = bvh_.order().data(),
                       .brick_center = {},
                       .extent = bvh_.frame().extent};

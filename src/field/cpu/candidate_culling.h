@@ -280,7 +280,7 @@ class CandidateCulling {
   const Job& job_;
   const BlockLattice& lattice_;
   const Kernels& kernels_;
-  std::unique_ptr<float[][3]> centroids_;  // by entry, in the frame of the boxes and as exact as they are
+  HugePageArray<float[3]> centroids_;  // by entry, in the frame of the boxes and as exact as they are
   Bvh bvh_;
   BoxList roots_;
 };
