@@ -8,6 +8,7 @@
 #include "tests/collision/bodies.h"
 #include "tests/collision/zoo/gap.h"
 #include "tests/collision/zoo/slivers.h"
+#include "tests/support/sanitized.h"
 
 namespace standoff {
 namespace {
@@ -53,7 +54,8 @@ TEST(Distance, PointsOfTouchingNeedlesLieOnThem) {
   Random random(5);
   int touching = 0;
   double worst = 0;
-  for (int n = 0; n < 1500; ++n) {
+  constexpr int kPairs = kSanitized ? 150 : 1500;
+  for (int n = 0; n < kPairs; ++n) {
     const SliverPair pair =
         sliver_pair(random, log_between(random, 1e-3, 1e-1), Thin::any_way, TriangleOverlap::touching);
     Mesh a, b;
@@ -68,7 +70,7 @@ TEST(Distance, PointsOfTouchingNeedlesLieOnThem) {
                       root_of(point_triangle_sq(found.point_b, pair.q)) / coordinate});
   }
   EXPECT_LE(worst, 8 * 0x1p-53);
-  EXPECT_GT(touching, 500);
+  EXPECT_GT(touching, kPairs / 3);
 }
 
 // Bodies with very many pairs that are equally near: they took up to 46 s, because no bound drops any of them.
@@ -104,8 +106,9 @@ TEST(Distance, OfManyEquallyNearPairsIsTheirs) {
 }
 // A gap that a plane proves must not be taken for the distance of bodies that the plane does not touch.
 TEST(Distance, OfNestedSurfacesAgreesWithEveryPair) {
-  expect_as_brute_force(ball_mesh(1, 6), ball_mesh(0.9, 6), 30, 0.03, 6);
-  expect_as_brute_force(ball_mesh(1, 6), ball_mesh(1.1, 5), 30, 0.03, 7);
+  constexpr int kPoses = kSanitized ? 3 : 30;
+  expect_as_brute_force(ball_mesh(1, 6), ball_mesh(0.9, 6), kPoses, 0.03, 6);
+  expect_as_brute_force(ball_mesh(1, 6), ball_mesh(1.1, 5), kPoses, 0.03, 7);
 }
 TEST(Collide, NestedSurfacesTouchWhereAPairDoes) {
   const Mesh outer = ball_mesh(1, 9), inner = ball_mesh(0.97, 9);
