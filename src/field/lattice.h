@@ -194,13 +194,16 @@ struct LongTriangle {
                        double{kLeastLengthSqOfCells});
   }
 
+  /// The centre of a cell, relative to the first one's.
+  STANDOFF_INLINE Triple<double> center(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z) const {
+    return {l.unit[0] * kSide * static_cast<double>(x - range.low[0]),
+            l.unit[1] * kSide * static_cast<double>(y - range.low[1]),
+            l.unit[2] * kSide * static_cast<double>(z - range.low[2])};
+  }
   /// Whether the triangle is within cell_reach_sq() of the centre of a cell.
   STANDOFF_INLINE bool reaches(const Lattice& l, std::int64_t x, std::int64_t y, std::int64_t z,
                                double reach_sq) const {
-    const Triple<double> center{l.unit[0] * kSide * static_cast<double>(x - range.low[0]),
-                                l.unit[1] * kSide * static_cast<double>(y - range.low[1]),
-                                l.unit[2] * kSide * static_cast<double>(z - range.low[2])};
-    return distance_sq(frame, center) <= reach_sq;
+    return distance_sq(frame, center(l, x, y, z)) <= reach_sq;
   }
 };
 

@@ -244,6 +244,7 @@ STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) {
   return {_mm256_max_pd(a.lo, b.lo), _mm256_max_pd(a.hi, b.hi)};
 }
 STANDOFF_INLINE WideDouble sqrt(WideDouble a) { return {_mm256_sqrt_pd(a.lo), _mm256_sqrt_pd(a.hi)}; }
+STANDOFF_INLINE WideDouble abs(WideDouble a) { return max(a, -a); }
 STANDOFF_INLINE DoubleMask less(WideDouble a, WideDouble b) {
   return {_mm256_cmp_pd(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_pd(a.hi, b.hi, _CMP_LT_OQ)};
 }

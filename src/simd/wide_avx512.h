@@ -147,6 +147,7 @@ STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) { retur
 STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) { return _mm512_min_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) { return _mm512_max_pd(a.v, b.v); }
 STANDOFF_INLINE WideDouble sqrt(WideDouble a) { return _mm512_sqrt_pd(a.v); }
+STANDOFF_INLINE WideDouble abs(WideDouble a) { return max(a, -a); }
 STANDOFF_INLINE DoubleMask less(WideDouble a, WideDouble b) { return {_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ)}; }
 STANDOFF_INLINE WideDouble select(DoubleMask m, WideDouble yes, WideDouble no) {
   return _mm512_mask_blend_pd(m.bits, no.v, yes.v);

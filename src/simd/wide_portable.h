@@ -312,6 +312,7 @@ STANDOFF_INLINE WideDouble sqrt(const WideDouble& a) {
     return Doubles{standoff::sqrt(a.v[part][0]), standoff::sqrt(a.v[part][1])};
   });
 }
+STANDOFF_INLINE WideDouble abs(const WideDouble& a) { return max(a, -a); }
 STANDOFF_INLINE DoubleMask less(const WideDouble& a, const WideDouble& b) {
   return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
 }

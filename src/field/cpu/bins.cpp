@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <utility>
 
@@ -82,7 +83,7 @@ class Binning {
     return (lowest << kSpanBits) | span[0] | (span[1] << 1) | (span[2] << 2);
   }
 
-  // A long triangle misses most bricks of its box: take the bricks whose centre is near enough.
+  // A long triangle misses most bricks of its box: take the bricks whose centre is near enough, in groups of eight.
   template <class Use>
   void for_each_brick_of_long(std::uint32_t triangle, Use use) const {
     const auto [a, b, c] = job_.mesh.corners(triangle);
@@ -90,10 +91,24 @@ class Binning {
     const CellRange r = reached_cells<kBrickSide>(lattice_, box_of(corner[0], corner[1], corner[2]));
     if (r.empty()) return;
     const LongTriangle<kBrickSide> long_triangle(lattice_, r, corner);
+    double at[3][kReachLanes] = {};
+    std::int64_t bricks[kReachLanes];
+    unsigned count = 0;
+    const auto use_group = [&] {
+      const unsigned all = (1u << count) - 1;
+      unsigned near = kind_ == Reach::box ? all : kernels_.within(long_triangle.frame, at, reach_sq_) & all;
+      for (; near != 0; near &= near - 1) use(bricks[std::countr_zero(near)]);
+      count = 0;
+    };
     for (std::int64_t z = r.low[2]; z <= r.high[2]; ++z)
       for (std::int64_t y = r.low[1]; y <= r.high[1]; ++y)
-        for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x)
-          if (kind_ == Reach::box || long_triangle.reaches(lattice_, x, y, z, reach_sq_)) use(index(x, y, z));
+        for (std::int64_t x = r.low[0]; x <= r.high[0]; ++x) {
+          const Triple<double> center = long_triangle.center(lattice_, x, y, z);
+          at[0][count] = center.x, at[1][count] = center.y, at[2][count] = center.z;
+          bricks[count++] = index(x, y, z);
+          if (count == kReachLanes) use_group();
+        }
+    use_group();
   }
 
   const Job& job_;

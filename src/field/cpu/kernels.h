@@ -9,6 +9,7 @@
 #include "field/backend.h"
 #include "field/cpu/mesh_memory.h"
 #include "field/lattice.h"
+#include "geometry/triangle_frame.h"
 #include "standoff/compute.h"
 
 namespace standoff::cpu {
@@ -228,6 +229,8 @@ struct Kernels {
   /// The bricks with samples in the boxes of eight triangles, grown by the thickness. Requires less than 2^31 samples
   /// on each axis.
   void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, BrickRanges&);
+  /// Bits of those of eight points whose squared distance from the triangle is at most `reach_sq`.
+  unsigned (*within)(const TriangleFrame<double>&, const double (&at)[3][kReachLanes], double reach_sq);
   /// Sets all distances to infinity.
   void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernel of thin bands that tells which bricks triangles reach: reached_cells() of eight triangles at a time.
+// The kernels of thin bands that tell which bricks triangles reach: reached_cells() of eight triangles at a time, and
+// the distances of a long triangle from eight bricks' centres.
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
@@ -52,6 +53,19 @@ void reached_bricks(const BlockLattice& l, const MeshMemory& mesh, const std::ui
       high[lane] = last < first ? -1 : last / kBrickSide;
     }
   }
+}
+
+STANDOFF_INLINE Linear<WideDouble> in_all_lanes(const Linear<double>& f) {
+  return {{WideDouble(f.g.x), WideDouble(f.g.y), WideDouble(f.g.z)}, WideDouble(f.c)};
+}
+STANDOFF_INLINE HalfTriangle<WideDouble> in_all_lanes(const HalfTriangle<double>& half) {
+  return {WideDouble(half.leg), WideDouble(half.length), WideDouble(half.nx), WideDouble(half.ny)};
+}
+
+unsigned within(const TriangleFrame<double>& frame, const double (&at)[3][kReachLanes], double reach_sq) {
+  const TriangleFrame<WideDouble> f{in_all_lanes(frame.q), in_all_lanes(frame.y), in_all_lanes(frame.z),
+                                    in_all_lanes(frame.left), in_all_lanes(frame.right)};
+  return ~less(WideDouble(reach_sq), distance_sq(f, load_points(at))).to_bits() & ((1u << kReachLanes) - 1);
 }
 
 }  // namespace

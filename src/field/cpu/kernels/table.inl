@@ -11,6 +11,7 @@ namespace standoff::cpu::STANDOFF_TARGET {
 
 constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .reached_bricks = reached_bricks,
+                         .within = within,
                          .clear = clear,
                          .gather_band = gather_band_any,
                          .band_tiles = band_tiles,
