@@ -78,7 +78,8 @@ TEST(Collide, OfSurfacesThatConform) {
 
 // Slender boxes of a tilted stack: the faces of their own boxes separate them, those along the axes do not.
 TEST(Collide, OfBodiesWhoseOrientedBoxesAreApart) {
-  const Mesh stack{{{0, 0, 0}, {1, 0, 0}, {0.3, 0.2, 1}}, std::vector<Triangle>(kSanitized ? 500 : 3000, Triangle{0, 1, 2})};
+  const Mesh stack{{{0, 0, 0}, {1, 0, 0}, {0.3, 0.2, 1}},
+                   std::vector<Triangle>(kSanitized ? 500 : 3000, Triangle{0, 1, 2})};
   const Body body(stack);
   const double height = 1 / std::sqrt(1.04);  // of a unit step along y
   for (const double step : {1e-3, 0.01, 0.1}) {

@@ -110,6 +110,7 @@ std::vector<SignOptions> signs() {
     SignOptions sign{.method = info.method, .shell = info.method == SignMethod::shell ? 0.1 : 0};
     all.push_back(sign);
     if (info.method == SignMethod::none) continue;
+    if (kSanitized) continue;
     sign.invert = true;
     sign.as_oriented = info.by_orientation;
     all.push_back(sign);
@@ -132,7 +133,7 @@ TEST(SignDecision, GivesWindowsTheirBits) {
       expect_decided_once(one.mesh, by(sign));
       ++compared;
     }
-  EXPECT_GT(compared, 100);
+  EXPECT_GT(compared, kSanitized ? 50 : 100);
 }
 
 // What a decision says is believed: its reason is not found again.

@@ -170,6 +170,7 @@ TEST(Update, EverySign) {
       for (const bool invert : {false, true}) {
         if (sign.method == SignMethod::parity && n != 0) continue;  // closed meshes alone
         if (sign.method == SignMethod::none && invert) continue;
+        if (kSanitized && invert != (n % 2 != 0)) continue;
         SCOPED_TRACE(std::string(sign.name) + ", mesh " + std::to_string(n));
         ComputeOptions options = update_options(sign.method);
         options.sign.invert = invert;

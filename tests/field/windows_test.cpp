@@ -64,7 +64,7 @@ void expect_parts(const Mesh& mesh, double thickness, const ComputeOptions& opti
   WindowComputation windows(mesh, kWindowsGrid, thickness, kWindowsGrid.size, options);
   WindowComputation small(mesh, kWindowsGrid, thickness, {53, 29, 30}, options);
   DistanceField field;
-  for (const Part& part : std::span(kParts).first(kSanitized ? 4 : kParts.size())) {
+  for (const Part& part : std::span(kParts).first(kSanitized ? 2 : kParts.size())) {
     windows.compute(part.first, part.size, field);
     expect_part(whole, field, part);
     if (part.size.y > 29 || part.size.z > 30) continue;
@@ -99,6 +99,7 @@ TEST(Windows, EverySign) {
       for (const bool invert : {false, true}) {
         if (sign.method == SignMethod::parity && n != 0) continue;  // closed meshes alone
         if (sign.method == SignMethod::none && invert) continue;
+        if (kSanitized && invert != (n % 2 != 0)) continue;
         SCOPED_TRACE(std::string(sign.name) + ", mesh " + std::to_string(n));
         ComputeOptions options = by(sign.method);
         options.sign.invert = invert;
