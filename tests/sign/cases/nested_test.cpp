@@ -39,7 +39,7 @@ Grid grid_of_shells(int count) {
 }
 
 TEST(NestedCases, ThousandsOfShellsOfAlternatingOrientation) {
-  constexpr int kCount = kSanitized ? 200 : 2000;
+  constexpr int kCount = kSanitized ? 100 : 2000;
   const Mesh mesh = shells(kCount, true);
   for (const SignOptions& sign : {kWinding, kParity, by_rule(WindingRule::odd), by_rule(WindingRule::nonzero)}) {
     const SignReport report = expect_sides(mesh, grid_of_shells(kCount), sign, in_an_odd_number_of(kCount), kThin);
