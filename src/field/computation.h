@@ -50,11 +50,15 @@ class Computation {
   ProgressMeter& progress() { return progress_; }
   ComputeReport& report() { return report_; }
 
-  /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, and with it whether the
-  /// field can be computed in windows.
+  /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, if that is not left to
+  /// the backend, and with it whether the field can be computed in windows.
   void check();
   /// Applies the skip rule.
   Job job();
+  /// Once the backend is done with a job that asks for a sign: plans it, unless all samples have got it.
+  void plan_sign_after(const Counts& counts);
+  /// Whether the backend has decided the sign.
+  bool is_signed() const { return is_signed_; }
   SignMethod sign_method() const { return sign_plan_.report.method; }
   /// The signs by the planned method, which must not be `shell`; null if the mesh turns out to have no inside.
   std::unique_ptr<SampleSigns> signs(const NearestTriangles& nearest);
@@ -73,6 +77,7 @@ class Computation {
   const ComputeOptions& options_;
   Plan plan_;
   SignPlan sign_plan_;
+  bool is_signed_ = false;
   Threads threads_;
   ProgressMeter progress_;
   std::vector<std::uint32_t> kept_;

@@ -33,11 +33,11 @@ void Computation::check() {
     Stopwatch watch;
     progress_.stage("preparing the mesh", 1, 0, 0.1);
     check_mesh(mesh_, plan_, options_);
-    if (options_.decision.empty()) {
+    if (!options_.decision.empty()) {
+      sign_plan_ = plan_of(options_.decision, mesh_, mesh_hash(), options_.sign, plan_.grid);
+    } else if (!plan_.sign_by_backend) {
       sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
       if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
-    } else {
-      sign_plan_ = plan_of(options_.decision, mesh_, mesh_hash(), options_.sign, plan_.grid);
     }
     if (plan_.in_windows && steps_of(sign_plan_.report.method).scope == SignScope::field) {
       take_whole(plan_);
@@ -59,7 +59,13 @@ Job Computation::job() {
           .threads = plan_.threads,
           .simd = options_.execution.simd,
           .progress = progress_,
-          .devices = plan_.devices};
+          .devices = plan_.devices,
+          .sign = plan_.sign_by_backend ? &options_.sign : nullptr};
+}
+
+void Computation::plan_sign_after(const Counts& counts) {
+  is_signed_ = counts.samples_signed == plan_.grid.sample_count();
+  sign_plan_ = is_signed_ ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
 }
 
 SignDecision Computation::decision() const {
@@ -112,6 +118,7 @@ class FieldOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_field(signs, invert, field_.grid(), field_, progress);
   }
+  void unsign() { drop_signs(field_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -127,6 +134,7 @@ class DenseOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_values(signs, invert, grid_, values_, progress);
   }
+  void unsign() { drop_signs(values_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
 
  private:
@@ -137,6 +145,7 @@ class DenseOutput {
 
 template <class Output>
 void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
+  if (computation.is_signed() || computation.sign_method() == SignMethod::none) return;
   if (computation.sign_method() == SignMethod::shell)
     return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
   if (const auto signs = computation.signs(output.nearest()))
@@ -158,8 +167,12 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
       hash = computation.mesh_hash();
     }
     report.seconds.compute = watch.lap();
-    if (computation.sign_method() != SignMethod::none) {
+    if (computation.plan().with_sign) {
       computation.progress().stage("sign", 1, 1, 1);
+      if (job.sign) {
+        computation.plan_sign_after(counts);
+        if (!computation.is_signed() && counts.samples_signed > 0) output.unsign();
+      }
       decide_sign(computation, options, output);
       report.seconds.sign = watch.lap();
     }
