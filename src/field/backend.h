@@ -100,7 +100,7 @@ struct Job {
   std::span<const int> devices = {};  ///< the GPUs that share the work; none: the first one
   /// A byte for each tile of the grid, x fastest: what comes of those with 0 does not matter. Empty: all matter.
   std::span<const std::uint8_t> wanted = {};
-  /// A backend that decides signs negates the samples inside, where it can (Counts::samples_signed). Null: none does.
+  /// The sign asked for; null: none. A backend that decides signs may leave some or all samples without it.
   const SignOptions* sign = nullptr;
 
   std::int64_t triangle_count() const {
@@ -115,7 +115,7 @@ struct Job {
 struct Counts {
   std::int64_t samples_examined = 0;
   std::int64_t samples_band = 0;
-  std::int64_t samples_signed = 0;  ///< whose values have the sign asked for; all others are magnitudes
+  std::int64_t samples_signed = 0;  ///< that have got the sign asked for; the values of all others are magnitudes
 
   Counts& operator+=(const Counts& other) {
     samples_examined += other.samples_examined;
@@ -163,7 +163,7 @@ struct BackendRow {
   /// what it returns, where it is not. The job must outlive the result.
   std::unique_ptr<WindowGather> (*in_windows)(const Job&) = nullptr;
   bool on_several_devices = false;  ///< Job::devices may name several
-  bool decides_signs = false;       ///< obeys Job::sign
+  bool decides_signs = false;       ///< Job::sign may be set
   /// Whether in_windows may prepare the whole grid, with the scratch memory of that; if not, its result is nullptr.
   bool (*prepares_whole)(std::int64_t triangles, const Grid&, double thickness) = nullptr;
 };

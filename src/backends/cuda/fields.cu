@@ -28,12 +28,9 @@ std::int64_t bytes_for(std::int64_t triangles, const Grid& grid, double thicknes
                        [&]<class Pipeline>() { return needed_bytes<Pipeline>(triangles, l, entries); });
 }
 
-// As many as indices reach.
-constexpr std::int64_t kMostVertices = std::int64_t{1} << 32;
-
-// Throws Error{usage}.
+// Throws Error{usage} for more vertices than indices reach.
 void check_vertices(const DeviceMesh& mesh) {
-  if (mesh.vertex_count < 0 || mesh.vertex_count > kMostVertices)
+  if (mesh.vertex_count < 0 || mesh.vertex_count > std::int64_t{1} << 32)
     throw Error(ErrorCode::usage, "cuda: " + std::to_string(mesh.vertex_count) +
                                       " vertices are out of range; give at most 2^32, and none negative");
 }
@@ -119,10 +116,9 @@ class Windows {
   std::atomic<std::int64_t> next_{0};
 };
 
-// Negates the samples inside of a finished field. Returns false where the device has doubts; some samples may be
-// negated then.
+// Negates the samples inside of a finished field. Returns false where the device has doubts, or no room for the sign's
+// arrays; some samples may be negated then.
 bool decide_sign(const SignOptions& sign, CountedRun& field) try {
-  if (field.task.mesh.vertex_count > kMostVertices) return false;
   field.free_lists();
   field.task.sign = sign;
   gpu::Workspace measure(nullptr);
@@ -132,7 +128,7 @@ bool decide_sign(const SignOptions& sign, CountedRun& field) try {
   SignArrays(room, field.task).enqueue(field.task, nullptr);
   return field.look().doubts == 0;
 } catch (const gpu::OutOfMemory&) {
-  return false;  // the host needs none of the device's memory
+  return false;
 }
 
 template <class Pipeline>
