@@ -237,9 +237,9 @@ std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, const Sig
   const bool crossings_fit = crossings < crossing_bytes(plan);
   const std::int64_t of_sign =
       plan.with_sign ? sign_bytes(plan, crossings_fit) + crossings + open_sign_bytes(plan, sign) : 0;
-  const double scratch = static_cast<double>(
-      plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
-                      : std::max({of_backend, of_sign, plan.sign_by_backend ? sign.planning : 0}));
+  const double scratch =
+      static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
+                                          : std::max({of_backend, of_sign, plan.sign_by_backend ? sign.planning : 0}));
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
   const double total =

@@ -138,9 +138,9 @@ std::vector<Mesh> certain_meshes() {
   const Mesh ball = moved(sphere(10), {4, 4, 8}, 6.3);
   std::vector<Mesh> all{ball, moved(testing::torus(12, 8), {8, 4, 8}, 5.7)};
   all.push_back(joined(joined(box({0, 0, 0}, {4, 4, 4}), box({2, 2, 2}, {6, 6, 6})), box({4, 0, 0}, {7, 3, 9})));
-  all.push_back(joined(ball, moved(sphere(), {4, 4, 8}, 2.2)));       // nested
-  all.push_back(joined(ball, moved(sphere(), {17.5, 5, 20}, 3.4)));   // in parts
-  all.push_back(box({-40, -30, -20}, {50, 22, 13}));                  // beyond the grid on most sides
+  all.push_back(joined(ball, moved(sphere(), {4, 4, 8}, 2.2)));      // nested
+  all.push_back(joined(ball, moved(sphere(), {17.5, 5, 20}, 3.4)));  // in parts
+  all.push_back(box({-40, -30, -20}, {50, 22, 13}));                 // beyond the grid on most sides
   all.push_back(moved(scenes::make("catapult", 800), {0, 0, 0}, 1));
   return all;
 }
@@ -156,8 +156,8 @@ std::vector<Mesh> doubtful_meshes() {
   with_hole.triangles.pop_back();
   std::vector<Mesh> all{with_hole, reversed(moved(sphere(), {4, 4, 8}, 6.3)), testing::solid_soup(3, 6), stack_of(128)};
   all.push_back(joined(box({0, 0, 0}, {8, 8, 8}), reversed(box({2, 2, 2}, {5, 5, 5}))));
-  all.push_back(moved(testing::terrain(), {8, 4, 8}, 7));   // a sheet has no inside
-  all.push_back(moved(testing::moebius(), {8, 4, 8}, 5));   // nor has a surface with one side
+  all.push_back(moved(testing::terrain(), {8, 4, 8}, 7));  // a sheet has no inside
+  all.push_back(moved(testing::moebius(), {8, 4, 8}, 5));  // nor has a surface with one side
   all.push_back(testing::unwelded(moved(sphere(), {4, 4, 8}, 6.3)));
   return all;
 }
@@ -286,7 +286,7 @@ TEST(ComputedSign, WindowsAndSlabsHaveTheWholeFieldsSigns) {
 }
 
 TEST(ComputedSign, SeveralDevicesSignTheirWindows) {
-  const Mesh ball = moved(sphere(10), {4, 4, 14}, 6.3);
+  const Mesh ball = moved(sphere(10), {4, 4, 14}, 6.3), solid = box({-40, -30, -20}, {50, 22, 30});
   // One window has more layers between two samples than bytes can count: then the others' signs are dropped.
   const Mesh mixed = joined(ball, stack_of(128, {5, 3, 20})), open = moved(testing::terrain(), {8, 4, 8}, 7);
   for (const double thickness : {2.0, 5.0}) {
@@ -294,7 +294,7 @@ TEST(ComputedSign, SeveralDevicesSignTheirWindows) {
     const std::int64_t some = signed_on_device(mixed, kCutGrid, thickness, {}, {0, 1});
     EXPECT_GT(some, 0);
     EXPECT_LT(some, kCutGrid.sample_count());
-    for (const Mesh* mesh : {&ball, &mixed, &open})
+    for (const Mesh* mesh : {&ball, &solid, &mixed, &open})
       for (const std::vector<int>& devices : {std::vector{3}, {2, 0, 1}}) {
         ComputeOptions options = on(testing::kEmulated);
         options.devices = devices;
@@ -303,30 +303,45 @@ TEST(ComputedSign, SeveralDevicesSignTheirWindows) {
   }
 }
 
-// A field that the device has room for gets its sign, whether or not there is room for that too.
-TEST(ComputedSign, WithoutRoomOnTheDeviceTheHostSigns) {
-  const Mesh mesh = box({-3, -3, -3}, {12, 9, 25});
-  const std::int64_t total = emulated::memory_total;
-  const auto fits = [&](std::int64_t bytes) {
-    emulated::memory_total = bytes;
-    try {
-      compute(mesh, kCutGrid, kInfinity, on(testing::kEmulated, {.method = SignMethod::none}));
-      return true;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::limit);
-      return false;
-    }
-  };
+// While it lives, tests may change the device's memory.
+struct DeviceMemory {
+  const std::int64_t usual = emulated::memory_total;
+  ~DeviceMemory() { emulated::memory_total = usual; }
+};
+
+// The least memory of the device in which a field without a sign fits.
+std::int64_t least_memory(const Mesh& mesh, const Grid& grid) {
   std::int64_t little = 0, enough = std::int64_t{1} << 30;
   while (enough - little > 256) {
     const std::int64_t middle = (little + enough) / 2;
-    (fits(middle) ? enough : little) = middle;
+    emulated::memory_total = middle;
+    try {
+      compute(mesh, grid, kInfinity, on(testing::kEmulated, {.method = SignMethod::none}));
+      enough = middle;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::limit);
+      little = middle;
+    }
   }
-  emulated::memory_total = enough;
-  EXPECT_EQ(signed_on_device(mesh, kCutGrid, kInfinity), 0);
-  expect_as_on_cpu(mesh, kCutGrid, kInfinity, on(testing::kEmulated));
-  emulated::memory_total = total;
-  EXPECT_EQ(signed_on_device(mesh, kCutGrid, kInfinity), kCutGrid.sample_count());
+  return enough;
+}
+
+// A field that the device has room for gets its sign, whether or not there is room for that too.
+TEST(ComputedSign, WithoutRoomOnTheDeviceTheHostSigns) {
+  const DeviceMemory total;
+  const Mesh solid = box({-3, -3, -3}, {12, 9, 25});
+  emulated::memory_total = least_memory(solid, kCutGrid);
+  EXPECT_EQ(signed_on_device(solid, kCutGrid, kInfinity), 0);
+  expect_as_on_cpu(solid, kCutGrid, kInfinity, on(testing::kEmulated));
+  emulated::memory_total = total.usual;
+  EXPECT_EQ(signed_on_device(solid, kCutGrid, kInfinity), kCutGrid.sample_count());
+  // Many triangles are about equally near: the lists that are no longer needed make room.
+  const Mesh ball = sphere(16);
+  const Grid middle{{16, 16, 16}, {-0.08, -0.08, -0.08}, {0.01, 0.01, 0.01}};
+  const SignOptions sign{.as_oriented = true};
+  emulated::memory_total = least_memory(ball, middle);
+  EXPECT_EQ(signed_on_device(ball, middle, kInfinity, sign), middle.sample_count());
+  expect_as_on_cpu(ball, middle, kInfinity, on(testing::kEmulated, sign));
 }
 
 TEST(ComputedSign, ErrorsAreThoseOfTheHost) {
@@ -362,8 +377,9 @@ TEST(ComputedSign, WhatIsGivenUpIsHandedOverAsMagnitudes) {
 }
 
 TEST(ComputedSign, SignsAreDropped) {
-  const Mesh mesh = moved(sphere(16), {4, 4, 8}, 6.3);
+  const Mesh mesh = box({-40, -30, -20}, {50, 22, 13});
   DistanceField field = compute(mesh, kCutGrid, 2, on(Backend::cpu)).field;
+  EXPECT_GT(std::ranges::count(field.slots(), DistanceField::kInside), 0);
   std::vector<float> values = field.to_dense();
   drop_signs(field);
   drop_signs(values);
