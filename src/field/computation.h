@@ -55,10 +55,8 @@ class Computation {
   void check();
   /// Applies the skip rule.
   Job job();
-  /// Once the backend is done with a job that asks for a sign: plans it, unless all samples have got it.
-  void plan_sign_after(const Counts& counts);
-  /// Whether the backend has decided the sign.
-  bool is_signed() const { return is_signed_; }
+  /// Returns whether the backend has signed all samples. If it was asked to and has not, plans the sign.
+  bool is_signed_after(const Counts& counts);
   SignMethod sign_method() const { return sign_plan_.report.method; }
   /// The signs by the planned method, which must not be `shell`; null if the mesh turns out to have no inside.
   std::unique_ptr<SampleSigns> signs(const NearestTriangles& nearest);
@@ -77,7 +75,6 @@ class Computation {
   const ComputeOptions& options_;
   Plan plan_;
   SignPlan sign_plan_;
-  bool is_signed_ = false;
   Threads threads_;
   ProgressMeter progress_;
   std::vector<std::uint32_t> kept_;

@@ -63,9 +63,11 @@ Job Computation::job() {
           .sign = plan_.sign_by_backend ? &options_.sign : nullptr};
 }
 
-void Computation::plan_sign_after(const Counts& counts) {
-  is_signed_ = counts.samples_signed == plan_.grid.sample_count();
-  sign_plan_ = is_signed_ ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
+bool Computation::is_signed_after(const Counts& counts) {
+  const bool all = counts.samples_signed == plan_.grid.sample_count();
+  if (plan_.sign_by_backend)
+    sign_plan_ = all ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
+  return all;
 }
 
 SignDecision Computation::decision() const {
@@ -118,7 +120,7 @@ class FieldOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_field(signs, invert, field_.grid(), field_, progress);
   }
-  void unsign() { drop_signs(field_); }
+  void drop_signs() { standoff::drop_signs(field_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -134,7 +136,7 @@ class DenseOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_values(signs, invert, grid_, values_, progress);
   }
-  void unsign() { drop_signs(values_); }
+  void drop_signs() { standoff::drop_signs(values_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
 
  private:
@@ -145,7 +147,7 @@ class DenseOutput {
 
 template <class Output>
 void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
-  if (computation.is_signed() || computation.sign_method() == SignMethod::none) return;
+  if (computation.sign_method() == SignMethod::none) return;
   if (computation.sign_method() == SignMethod::shell)
     return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
   if (const auto signs = computation.signs(output.nearest()))
@@ -169,11 +171,10 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
     report.seconds.compute = watch.lap();
     if (computation.plan().with_sign) {
       computation.progress().stage("sign", 1, 1, 1);
-      if (job.sign) {
-        computation.plan_sign_after(counts);
-        if (!computation.is_signed() && counts.samples_signed > 0) output.unsign();
+      if (!computation.is_signed_after(counts)) {
+        if (counts.samples_signed > 0) output.drop_signs();
+        decide_sign(computation, options, output);
       }
-      decide_sign(computation, options, output);
       report.seconds.sign = watch.lap();
     }
     computation.finish(job.triangle_count(), counts, hash);
