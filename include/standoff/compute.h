@@ -114,7 +114,7 @@ struct ComputeReport {
   struct Seconds {
     double prepare = 0;  ///< validation, skip rule
     double compute = 0;  ///< the backend's work, and hashing the mesh if that is done
-    double sign = 0;     ///< deciding which samples are inside
+    double sign = 0;     ///< deciding which samples are inside, if a GPU has not done that with the distances
   } seconds;
 };
 

@@ -30,9 +30,10 @@ constexpr BackendRow on_cuda() {
           [](Simd, int device) { return cuda::device_name(device); },
           [](const Job& job, Sink& sink) { return cuda::run(kMethod, job, sink); },
           [](const MeshLoad& mesh, const Grid& grid, double thickness, int) {
-            return cuda::scratch_bytes(kMethod, mesh.triangles, grid, thickness);
+            return cuda::scratch_bytes(kMethod, mesh, grid, thickness);
           },
           nullptr,
+          kMethod == Method::tiles,
           kMethod == Method::tiles};
 }
 
@@ -45,9 +46,10 @@ constexpr BackendRow on_emulated() {
           [](Simd, int) { return std::string("emulated on the CPU"); },
           [](const Job& job, Sink& sink) { return emulated::run(kMethod, job, sink); },
           [](const MeshLoad& mesh, const Grid& grid, double thickness, int) {
-            return emulated::scratch_bytes(kMethod, mesh.triangles, grid, thickness);
+            return emulated::scratch_bytes(kMethod, mesh, grid, thickness);
           },
           nullptr,
+          kMethod == Method::tiles,
           kMethod == Method::tiles};
 }
 #endif
@@ -65,7 +67,7 @@ constexpr std::array kFieldRows{
     on_cuda<Method::jumpflood>(),
     on_cuda<Method::jumpflood_1>(),
     BackendRow{Backend::cpu, Method::tiles, kAlways, [](Simd simd, int) { return cpu::tiles_device(simd); },
-               cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_windows, false, cpu::tiles_prepare_whole},
+               cpu::run_tiles, cpu::tiles_scratch_bytes, cpu::tiles_in_windows, false, false, cpu::tiles_prepare_whole},
     plain_on_cpu(Method::thesis, cpu::run_thesis, cpu::thesis_scratch_bytes),
     plain_on_cpu(Method::fuhrmann, cpu::run_fuhrmann, cpu::thesis_scratch_bytes),
     plain_on_cpu(Method::propagate, cpu::run_propagate, cpu::spread_scratch_bytes),

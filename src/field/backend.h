@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "standoff/compute.h"
 #include "standoff/error.h"
 #include "standoff/field.h"
+#include "standoff/sign.h"
 
 namespace standoff {
 
@@ -47,6 +49,17 @@ class Sink {
   }
 
   bool with_nearest() const { return with_nearest_; }
+
+  /// All samples of a tile that is never opened are inside.
+  void mark_inside(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
+    if (field_) return field_->mark_inside(tx + offset_.x, ty + offset_.y, tz + offset_.z);
+    const TileTarget tile = open(tx, ty, tz);
+    for (std::int64_t z = 0; z < tile.size.z; ++z)
+      for (std::int64_t y = 0; y < tile.size.y; ++y) {
+        float* const row = tile.values + tile.row * y + tile.slice * z;
+        std::transform(row, row + tile.size.x, row, std::negate());
+      }
+  }
 
   TileTarget open(std::int64_t tx, std::int64_t ty, std::int64_t tz) {
     constexpr std::int64_t side = DistanceField::kTileSide;
@@ -87,6 +100,8 @@ struct Job {
   std::span<const int> devices = {};  ///< the GPUs that share the work; none: the first one
   /// A byte for each tile of the grid, x fastest: what comes of those with 0 does not matter. Empty: all matter.
   std::span<const std::uint8_t> wanted = {};
+  /// The sign asked for; null: none. A backend that decides signs may leave some or all samples without it.
+  const SignOptions* sign = nullptr;
 
   std::int64_t triangle_count() const {
     return static_cast<std::int64_t>(kept.empty() ? mesh.triangles.size() : kept.size());
@@ -100,6 +115,14 @@ struct Job {
 struct Counts {
   std::int64_t samples_examined = 0;
   std::int64_t samples_band = 0;
+  std::int64_t samples_signed = 0;  ///< that have got the sign asked for; the values of all others are magnitudes
+
+  Counts& operator+=(const Counts& other) {
+    samples_examined += other.samples_examined;
+    samples_band += other.samples_band;
+    samples_signed += other.samples_signed;
+    return *this;
+  }
 };
 
 /// A job that is done window by window, in any order, on the threads of one TBB arena. The constructor prepares the
@@ -124,6 +147,7 @@ struct MeshLoad {
   /// An upper bound of the number of pairs of a triangle and a brick of the grid that its box grown by the thickness
   /// reaches.
   double brick_refs = std::numeric_limits<double>::infinity();
+  bool with_sign = false;  ///< the backend decides the sign
 };
 
 /// A method on a backend. Backends add rows to the table in src/backends/fields.cpp.
@@ -139,6 +163,7 @@ struct BackendRow {
   /// what it returns, where it is not. The job must outlive the result.
   std::unique_ptr<WindowGather> (*in_windows)(const Job&) = nullptr;
   bool on_several_devices = false;  ///< Job::devices may name several
+  bool decides_signs = false;       ///< Job::sign may be set
   /// Whether in_windows may prepare the whole grid, with the scratch memory of that; if not, its result is nullptr.
   bool (*prepares_whole)(std::int64_t triangles, const Grid&, double thickness) = nullptr;
 };

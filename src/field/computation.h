@@ -50,11 +50,13 @@ class Computation {
   ProgressMeter& progress() { return progress_; }
   ComputeReport& report() { return report_; }
 
-  /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, and with it whether the
-  /// field can be computed in windows.
+  /// Throws if the mesh is not valid or the memory does not suffice. Decides the sign's method, if that is not left to
+  /// the backend, and with it whether the field can be computed in windows.
   void check();
   /// Applies the skip rule.
   Job job();
+  /// Returns whether the backend has signed all samples. If it was asked to and has not, plans the sign.
+  bool is_signed_after(const Counts& counts);
   SignMethod sign_method() const { return sign_plan_.report.method; }
   /// The signs by the planned method, which must not be `shell`; null if the mesh turns out to have no inside.
   std::unique_ptr<SampleSigns> signs(const NearestTriangles& nearest);

@@ -33,11 +33,11 @@ void Computation::check() {
     Stopwatch watch;
     progress_.stage("preparing the mesh", 1, 0, 0.1);
     check_mesh(mesh_, plan_, options_);
-    if (options_.decision.empty()) {
+    if (!options_.decision.empty()) {
+      sign_plan_ = plan_of(options_.decision, mesh_, mesh_hash(), options_.sign, plan_.grid);
+    } else if (!plan_.sign_by_backend) {
       sign_plan_ = plan_sign(mesh_, options_.sign, progress_);
       if (options_.sign.outer) plan_outer(mesh_, options_.sign, sign_plan_, progress_);
-    } else {
-      sign_plan_ = plan_of(options_.decision, mesh_, mesh_hash(), options_.sign, plan_.grid);
     }
     if (plan_.in_windows && steps_of(sign_plan_.report.method).scope == SignScope::field) {
       take_whole(plan_);
@@ -59,7 +59,15 @@ Job Computation::job() {
           .threads = plan_.threads,
           .simd = options_.execution.simd,
           .progress = progress_,
-          .devices = plan_.devices};
+          .devices = plan_.devices,
+          .sign = plan_.sign_by_backend ? &options_.sign : nullptr};
+}
+
+bool Computation::is_signed_after(const Counts& counts) {
+  const bool all = counts.samples_signed == plan_.grid.sample_count();
+  if (plan_.sign_by_backend)
+    sign_plan_ = all ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
+  return all;
 }
 
 SignDecision Computation::decision() const {
@@ -112,6 +120,7 @@ class FieldOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_field(signs, invert, field_.grid(), field_, progress);
   }
+  void drop_signs() { standoff::drop_signs(field_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, field_, progress); }
 
  private:
@@ -127,6 +136,7 @@ class DenseOutput {
   void sign(SampleSigns& signs, bool invert, ProgressMeter& progress) {
     sign_values(signs, invert, grid_, values_, progress);
   }
+  void drop_signs() { standoff::drop_signs(values_); }
   void thicken(const Shell& shell, ProgressMeter& progress) { apply(shell, values_, nearest_, progress); }
 
  private:
@@ -137,6 +147,7 @@ class DenseOutput {
 
 template <class Output>
 void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
+  if (computation.sign_method() == SignMethod::none) return;
   if (computation.sign_method() == SignMethod::shell)
     return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
   if (const auto signs = computation.signs(output.nearest()))
@@ -158,9 +169,12 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
       hash = computation.mesh_hash();
     }
     report.seconds.compute = watch.lap();
-    if (computation.sign_method() != SignMethod::none) {
+    if (computation.plan().with_sign) {
       computation.progress().stage("sign", 1, 1, 1);
-      decide_sign(computation, options, output);
+      if (!computation.is_signed_after(counts)) {
+        if (counts.samples_signed > 0) output.drop_signs();
+        decide_sign(computation, options, output);
+      }
       report.seconds.sign = watch.lap();
     }
     computation.finish(job.triangle_count(), counts, hash);

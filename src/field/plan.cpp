@@ -82,6 +82,14 @@ std::vector<int> devices_of(const ComputeOptions& options, const BackendRow& row
   return options.devices;
 }
 
+// Whether a backend may decide the sign. A decision that must be certain, or is there already, comes before any
+// distance. A tile that is not stored must be on one side: no triangle near it may be left out, and no band is thinner
+// than the way from a sample to the next.
+bool is_sign_by(const BackendRow& row, const Grid& grid, double thickness, const ComputeOptions& options) {
+  return row.decides_signs && is_sign_on_device(options.sign) && !options.sign.strict && options.decision.empty() &&
+         effective_rule(options).kind != SkipRule::Kind::neighbour && thickness >= grid.max_spacing();
+}
+
 }  // namespace
 
 Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const ComputeOptions& options, bool is_dense,
@@ -103,6 +111,7 @@ Plan make_plan(std::int64_t triangles, const Grid& grid, double thickness, const
           thread_count(options.execution.threads),
           options.nearest || steps_of(options.sign.method).needs_nearest,
           options.sign.method != SignMethod::none,
+          !in_windows && is_sign_by(row, grid, thickness, options),
           is_dense,
           in_windows,
           in_windows ? window : grid.size,
@@ -124,7 +133,8 @@ std::int64_t scratch_bytes(const Plan& plan, double brick_refs = std::numeric_li
   Grid part = plan.grid;
   if (!whole) part.size = plan.part;
   if (devices > 1) part.size.z = std::min(part.size.z, kBrickSide * (part.size.z / kBrickSide / devices + 1));
-  return devices * plan.row->scratch_bytes({plan.triangles, brick_refs}, part, plan.thickness, plan.threads);
+  return devices * plan.row->scratch_bytes({plan.triangles, brick_refs, plan.sign_by_backend}, part, plan.thickness,
+                                           plan.threads);
 }
 
 // Bytes that deciding the sign takes beside the output and the crossings. Crossings that fit at once are not found row
@@ -220,15 +230,16 @@ std::int64_t bytes_needed(const Plan& plan, const ReachCounts& counts, const Sig
   const double tiles = std::min(counts.tiles, tiles_at_once(plan));
   const double output = plan.is_dense ? 4.0 * samples * (plan.with_nearest ? 2 : 1)
                                       : field_bytes(tiles, tiles_at_once(plan), plan.with_nearest);
-  // The sign is planned before the output is made. The sign of a whole grid is decided after the backend has freed
-  // its memory; in windows, the backend keeps it while signs are decided.
+  // The sign is planned before the output is made, or, if the backend has doubts, after the backend has freed its
+  // memory. Then the sign of a whole grid is decided; in windows, the backend keeps its memory while signs are decided.
   const std::int64_t of_backend = scratch_bytes(plan, counts.brick_refs),
                      crossings = crossing_bytes(plan, counts.crossings);
   const bool crossings_fit = crossings < crossing_bytes(plan);
   const std::int64_t of_sign =
       plan.with_sign ? sign_bytes(plan, crossings_fit) + crossings + open_sign_bytes(plan, sign) : 0;
-  const double scratch = static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
-                                                             : std::max(of_backend, of_sign));
+  const double scratch =
+      static_cast<double>(plan.in_windows ? of_backend + of_sign + MeshParts::bytes(plan.triangles)
+                                          : std::max({of_backend, of_sign, plan.sign_by_backend ? sign.planning : 0}));
   const double kept =
       plan.rule.kind == SkipRule::Kind::none ? 0 : static_cast<double>(skip_bytes(plan.triangles, plan.rule));
   const double total =

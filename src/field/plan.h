@@ -32,6 +32,8 @@ struct Plan {
   int threads;
   bool with_nearest;  ///< the caller or the sign needs nearest triangles
   bool with_sign;
+  /// The backend gets the sign to decide. It is planned only where the backend has doubts: then after the distances.
+  bool sign_by_backend;
   bool is_dense;             ///< into the caller's memory, not into tiles
   bool in_windows;           ///< computed window by window; if not, the whole grid at once
   Size3 part;                ///< the largest window, in samples; the grid's size if there are none

@@ -254,9 +254,7 @@ void FieldInWindows::fill(const Grid& window, DistanceField& field) {
   Stopwatch watch;
   field.reset(window, plan().field_thickness, plan().with_nearest);
   Sink sink(field);
-  const Counts counts = gather_->gather(window, sink, computation_.progress());
-  counts_.samples_examined += counts.samples_examined;
-  counts_.samples_band += counts.samples_band;
+  counts_ += gather_->gather(window, sink, computation_.progress());
   samples_ += window.sample_count();
   tiles_ += tile_count(window.size);
   computation_.report().seconds.compute += watch.lap();

@@ -37,6 +37,11 @@ SignPlan plan_sign(MeshView mesh, const SignOptions& options, ProgressMeter& pro
 /// by parity for one whose edges all have an even number of triangles.
 SignPlan plan_of_closed(SignMethod method);
 
+/// Whether a device may decide the sign, of a mesh that plan_of_closed() is for.
+inline bool is_sign_on_device(const SignOptions& sign) {
+  return (sign.method == SignMethod::winding || sign.method == SignMethod::automatic) && !sign.outer;
+}
+
 /// The most that a sign takes, beside what its rows and crossings take.
 struct SignMemory {
   std::int64_t planning = 0;  ///< bytes that plan_sign() holds

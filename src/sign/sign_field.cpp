@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -78,6 +79,21 @@ SampleBits bits_of(SampleSigns& signs, bool invert, const Grid& grid, ProgressMe
     }
   });
   return bits;
+}
+
+void drop_signs(DistanceField& field) {
+  const Size3 tiles = field.tile_count();
+  tbb::parallel_for(std::int64_t{0}, tiles.count(), [&](std::int64_t n) {
+    const std::int64_t tx = n % tiles.x, ty = n / tiles.x % tiles.y, tz = n / tiles.x / tiles.y;
+    if (!field.tile(tx, ty, tz)) return field.mark_outside(tx, ty, tz);
+    for (float& value : field.edit_tile(tx, ty, tz)) value = std::abs(value);
+  });
+}
+
+void drop_signs(std::span<float> values) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size()), [&](const auto& range) {
+    for (std::size_t n = range.begin(); n != range.end(); ++n) values[n] = std::abs(values[n]);
+  });
 }
 
 // Shells.

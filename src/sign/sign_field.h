@@ -84,6 +84,10 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
 /// The same for one value per sample, x fastest.
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress);
 
+/// Makes all values magnitudes again. Runs on the threads of the calling TBB arena.
+void drop_signs(DistanceField& field);
+void drop_signs(std::span<float> values);
+
 /// A sheet as a solid: the distance to it, less half of the solid's thickness. World units.
 class Shell {
  public:

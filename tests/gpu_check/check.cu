@@ -286,7 +286,7 @@ Mesh whole_tetrahedra() {
   return testing::mesh_of(outwards);
 }
 
-/// Signs that the device decides.
+/// Signs that the device decides, in device memory and from host memory.
 int run_signs(bool quick) {
   using namespace STANDOFF_PLATFORM;
   std::vector<Case> all{{"whole tetrahedra", whole_tetrahedra(), {{25, 24, 23}, {-11, -11, -11}, {1, 1, 1}}, 2, {}}};
@@ -303,9 +303,16 @@ int run_signs(bool quick) {
       field.run();
       wrong += different(field.values(), expected.values) != 0;
     }
+    std::vector<float> values(expected.values.size(), static_cast<float>(c.thickness));
+    ProgressMeter progress;
+    Sink sink(c.grid, values, {});
+    Job job{c.mesh, {}, c.grid, c.thickness, 1, Simd::automatic, progress};
+    job.sign = &c.sign;
+    wrong += STANDOFF_PLATFORM::run(Method::tiles, job, sink).samples_signed != c.grid.sample_count() ||
+             different(values, expected.values) != 0;
   }
   return judge(wrong == 0,
-               "signs: " + std::to_string(wrong) + " of " + std::to_string(2 * all.size()) + " fields are wrong");
+               "signs: " + std::to_string(wrong) + " of " + std::to_string(3 * all.size()) + " fields are wrong");
 }
 
 int run_all(bool quick) {

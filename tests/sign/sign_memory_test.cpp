@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "field/plan.h"
 #include "scenes/scenes.h"
 #include "sign/plan.h"
 #include "standoff/compute.h"
+#include "standoff/testing/emulation.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
@@ -217,6 +219,44 @@ TEST(SignMemory, ALimitChangesNoSign) {
   EXPECT_EQ(bits_of(limited.to_dense()), bits_of(whole));
   options.memory_limit -= 1;
   expect_error([&] { compute(mesh, grid, grid.max_spacing(), options); }, ErrorCode::limit, "more than the limit");
+}
+
+// The memory of an emulated device counts.
+ComputeOptions on_device(SignMethod method) {
+  ComputeOptions options = options_with(method);
+  options.execution.backend = kEmulated;
+  options.nearest = true;
+  return options;
+}
+
+TEST(SignMemory, ASignByADeviceTakesNoMoreThanWasSaid) {
+  Mesh with_hole = sphere(30);
+  with_hole.triangles.pop_back();
+  for (const Kind& kind :
+       {Kind{"a ball", sphere(30)}, {"a ball with a hole", with_hole}, {"many small ones", solids(300, 0.02)}})
+    for (const double samples : {2.0, kInfinity}) {
+      const Grid grid = grid_of(kind.mesh, {24, 24, 24});
+      const double thickness = samples * grid.max_spacing();
+      const std::int64_t needed = estimate(kind.mesh, grid, thickness, on_device(SignMethod::automatic)).whole;
+      const std::int64_t taken =
+          heap::most_held([&] { compute(kind.mesh, grid, thickness, on_device(SignMethod::automatic)); });
+      EXPECT_LE(taken, needed + kSmallThings) << kind.name << ", " << samples;
+    }
+}
+
+TEST(SignMemory, ASignByADeviceIsCounted) {
+  const Mesh solid = solids(1, 1);
+  const Grid grid = grid_of(solid, {200, 200, 200});
+  // A byte for each sample is more than the lists of few triangles.
+  EXPECT_GT(estimate(solid, grid, kInfinity, on_device(SignMethod::automatic)).dense,
+            estimate(solid, grid, kInfinity, on_device(SignMethod::none)).dense);
+  // Where the device has doubts, the sign is planned beside the output; else before there is any.
+  constexpr std::int64_t kPlanning = std::int64_t{1} << 40;
+  const auto needed = [&](const ComputeOptions& options) {
+    return bytes_needed(make_plan(4, grid, 2, options, true), {}, {.planning = kPlanning});
+  };
+  EXPECT_GE(needed(on_device(SignMethod::automatic)), kPlanning + 8 * grid.sample_count());
+  EXPECT_EQ(needed(on_device(SignMethod::flood)), kPlanning);
 }
 
 }  // namespace

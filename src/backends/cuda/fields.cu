@@ -116,16 +116,28 @@ class Windows {
   std::atomic<std::int64_t> next_{0};
 };
 
+// Negates the samples inside of a finished field. Returns false where the device has doubts, or no room for the sign's
+// arrays; some samples may be negated then.
+bool decide_sign(const SignOptions& sign, CountedRun& field) try {
+  field.free_lists();
+  field.task.sign = sign;
+  gpu::Workspace measure(nullptr);
+  const SignArrays sizes(measure, field.task);
+  const Memory memory(measure.used());
+  gpu::Workspace room(memory.as<void>());
+  SignArrays(room, field.task).enqueue(field.task, nullptr);
+  return field.look().doubts == 0;
+} catch (const gpu::OutOfMemory&) {
+  return false;
+}
+
 template <class Pipeline>
 Counts run_on(int device, const Job& job, Windows& windows, Sink& sink) {
   const DeviceScope scope(device);
   const HostRun<Pipeline> run(job, windows.at(0));
   Counts sum;
-  for (std::int64_t n = windows.next(); n < windows.count(); n = windows.next()) {
-    const Counts counts = run.run(windows.at(n), sink);
-    sum.samples_examined += counts.samples_examined;
-    sum.samples_band += counts.samples_band;
-  }
+  for (std::int64_t n = windows.next(); n < windows.count(); n = windows.next())
+    sum += run.run(windows.at(n), sink, [&](CountedRun& field) { return job.sign && decide_sign(*job.sign, field); });
   return sum;
 }
 
@@ -144,8 +156,7 @@ Counts run_on_all(const Job& job, Windows& windows, Sink& sink) {
       try {
         const Counts counts = run_on<Pipeline>(device, each, windows, sink);
         const std::lock_guard lock(finishing);
-        sum.samples_examined += counts.samples_examined;
-        sum.samples_band += counts.samples_band;
+        sum += counts;
       } catch (...) {
         windows.stop();
         const std::lock_guard lock(finishing);
@@ -173,13 +184,19 @@ Counts run(Method method, const Job& job, Sink& sink) try {
               error.details());
 }
 
-std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness) {
+std::int64_t scratch_bytes(Method method, const MeshLoad& mesh, const Grid& grid, double thickness) {
   const std::int64_t host = host_scratch_bytes(grid);
   if (!kIsEmulated) return host;
-  const std::int64_t entries = cuda::likely_entries(triangles, grid, thickness, method);
   constexpr std::int64_t tile_bytes = 2 * 4 * kTileSamples, mesh_bytes = 9 * 8 + 3 * 4;
-  return host + tile_count(grid.size) * (tile_bytes + 4) + triangles * mesh_bytes +
-         bytes_for(triangles, grid, thickness, method, entries);
+  Task task;
+  task.mesh.vertex_count = 3 * mesh.triangles;
+  task.mesh.triangle_count = mesh.triangles;
+  task.grid = grid;
+  task.thickness = thickness;
+  task.method = method;
+  if (mesh.with_sign) task.sign = {};
+  return host + tile_count(grid.size) * (tile_bytes + 4) + mesh.triangles * mesh_bytes +
+         bytes_for(task, cuda::likely_entries(mesh.triangles, grid, thickness, method));
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

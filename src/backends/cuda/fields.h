@@ -16,7 +16,7 @@ namespace standoff::cuda {
 /// Requires a method that has a pipeline (pipelines.cuh).
 Counts run(Method method, const Job& job, Sink& sink);
 /// Bytes of host memory beside the output; the GPU's own memory is not counted.
-std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness);
+std::int64_t scratch_bytes(Method method, const MeshLoad& mesh, const Grid& grid, double thickness);
 
 }  // namespace standoff::cuda
 
@@ -24,7 +24,7 @@ namespace standoff::emulated {
 
 Counts run(Method method, const Job& job, Sink& sink);
 /// The same, plus the memory that emulates the GPU's.
-std::int64_t scratch_bytes(Method method, std::int64_t triangles, const Grid& grid, double thickness);
+std::int64_t scratch_bytes(Method method, const MeshLoad& mesh, const Grid& grid, double thickness);
 
 }  // namespace standoff::emulated
 

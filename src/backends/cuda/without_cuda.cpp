@@ -17,7 +17,7 @@ namespace {
 }  // namespace
 
 Counts run(Method, const Job&, Sink&) { fail(); }
-std::int64_t scratch_bytes(Method, std::int64_t, const Grid& grid, double) { return host_scratch_bytes(grid); }
+std::int64_t scratch_bytes(Method, const MeshLoad&, const Grid& grid, double) { return host_scratch_bytes(grid); }
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView>, const OnStream&) { fail(); }
 std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldRequest>, const OnStream&) { fail(); }

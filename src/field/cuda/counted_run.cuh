@@ -5,10 +5,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <vector>
 
+#include "core/side_by_side.h"
 #include "field/backend.h"
 #include "field/cuda/capacity.h"
 #include "field/cuda/pipeline.cuh"
@@ -67,6 +70,11 @@ class CountedRun {
   const Lattice lattice;
   Task task;
   Growing entries[2], keep;
+
+  /// Once the field is there.
+  void free_lists() {
+    for (Growing* const list : {&entries[0], &entries[1], &keep}) *list = Growing();
+  }
 
   /// Waits for the device and reads the counts.
   const Outcome& look() {
@@ -192,11 +200,27 @@ class MeshOnDevice {
   DeviceMesh mesh_;
 };
 
-/// Copies finished tiles from the device and writes them to the sink, on several threads.
-inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l, Sink& sink, ProgressMeter& progress) {
-  if (output.slot_capacity == 0) return;
+/// Marks the tiles that are not stored and lie inside, on several threads.
+inline void mark_inside(int threads, std::span<const std::int32_t> slots, const Lattice& l, Sink& sink) {
+  side_by_side(threads, kCopyWorkers, [&](int worker) {
+    const auto share = [&](int n) { return std::ssize(slots) * n / kCopyWorkers; };
+    for (std::int64_t index = share(worker); index < share(worker + 1); ++index) {
+      if (slots[static_cast<std::size_t>(index)] != DistanceField::kInside) continue;
+      std::int64_t tile[3];
+      tile_at(l, index, tile);
+      sink.mark_inside(tile[0], tile[1], tile[2]);
+    }
+  });
+}
+
+/// Copies finished tiles from the device and writes them to the sink, on several threads. `is_signed`: with the sign
+/// that they have; if not, magnitudes.
+inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l, bool is_signed, Sink& sink,
+                      ProgressMeter& progress) {
+  if (output.slot_capacity == 0 && !is_signed) return;
   std::vector<std::int32_t> slots(static_cast<std::size_t>(l.tile_count()));
   copy_out(slots.data(), output.slots, l.tile_count() * static_cast<std::int64_t>(sizeof(std::int32_t)));
+  if (is_signed) mark_inside(threads, slots, l, sink);
   std::vector<std::int64_t> tile_of_slot(static_cast<std::size_t>(output.slot_capacity), -1);
   for (std::size_t index = 0; index < slots.size(); ++index)
     if (slots[index] >= 0) tile_of_slot[static_cast<std::size_t>(slots[index])] = static_cast<std::int64_t>(index);
@@ -234,7 +258,8 @@ inline void hand_over(int threads, const DeviceOutput& output, const Lattice& l,
       for (std::int64_t z = 0; z < to.size.z; ++z)
         for (std::int64_t y = 0; y < to.size.y; ++y) {
           const std::int64_t from = n * kTileSamples + 64 * z + 8 * y, row = to.row * y + to.slice * z;
-          std::copy_n(values + from, to.size.x, to.values + row);
+          std::transform(values + from, values + from + to.size.x, to.values + row,
+                         [&](float value) { return is_signed ? value : std::abs(value); });
           if (to.nearest) std::copy_n(nearest + from, to.size.x, to.nearest + row);
         }
     }
@@ -257,15 +282,18 @@ class HostRun {
   /// Copies the mesh, if there is room for it and for a window of this size.
   HostRun(const Job& job, const Grid& window) : job_(job), mesh_(with_room(job, window)) {}
 
-  /// A window of the job's grid that begins at a brick. Waits for the device.
-  Counts run(const Grid& window, const Sink& sink) const {
+  /// A window of the job's grid that begins at a brick. sign(field) may negate the samples inside of the finished
+  /// field, and says whether it has. Waits for the device.
+  template <class Sign>
+  Counts run(const Grid& window, const Sink& sink, const Sign& sign) const {
     CountedRun field(mesh_.mesh(), window, job_.thickness, sink.with_nearest(), [&] { job_.progress.check(); });
     field.run<Pipeline>();
+    const bool is_signed = sign(field);
     job_.progress.advance((kUnitsPerCopy - 1) * copies_of(window));
     Sink part = sink.of_window(job_.grid, window);
-    hand_over(job_.threads, field.output(), field.lattice, part, job_.progress);
+    hand_over(job_.threads, field.output(), field.lattice, is_signed, part, job_.progress);
     return {static_cast<std::int64_t>(field.outcome().samples_examined),
-            static_cast<std::int64_t>(field.outcome().samples_band)};
+            static_cast<std::int64_t>(field.outcome().samples_band), is_signed ? window.sample_count() : 0};
   }
 
  private:

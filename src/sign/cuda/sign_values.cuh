@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which signs the device decides, and the sign of values whose bits the host decided. Apart from sign.cuh, as each file
-// that includes a kernel compiles it.
+// The sign of values whose bits the host decided. Apart from sign.cuh, as each file that includes a kernel compiles it.
 #pragma once
 
 #include <cstdint>
 
 #include "core/tile_count.h"
 #include "gpu/platform.cuh"
-#include "standoff/sign.h"
 
 namespace standoff::STANDOFF_PLATFORM {
-
-/// Whether the device decides a sign.
-inline bool is_sign_on_device(const SignOptions& sign) {
-  return (sign.method == SignMethod::winding || sign.method == SignMethod::automatic) && !sign.outer;
-}
 
 inline constexpr unsigned kSignThreads = 256;
 
