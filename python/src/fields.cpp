@@ -179,7 +179,8 @@ Array<double> values_at(const DistanceField& field, const PointInput& points, co
   return out.finish();
 }
 
-Array<double> gradients_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
+Array<double> gradients_at(const DistanceField& field, const PointInput& points, const std::string& outside,
+                           int threads) {
   const Outside choice = outside_of(outside);
   NewArray<double> out({points.shape(0), 3});
   const std::span<const Vec3> all = points_of(points);
