@@ -8,6 +8,7 @@
 #include "core/tile_count.h"
 #include "sign/cpu/kernels.h"
 #include "sign/rows/row_crossings.h"
+#include "simd/dispatch.h"
 
 namespace standoff {
 
@@ -68,9 +69,8 @@ void InsideRows::fill_between(std::span<const RowCrossing> crossings, WindingRul
     }
     return;
   }
-  const auto [first, end] =
-      cpu::sign_kernels_for(Simd::automatic)
-          .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
+  const auto [first, end] = dispatch_of<cpu::SignKernels>().best().mark_inside(
+      steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
   first_tile_ = begin_ + first;
   end_of_tiles_ = begin_ + end;
   // Put all beyond the grid outside.
