@@ -2,6 +2,7 @@
 // What the parsers know of the program, as data: the manual's pages and the completions of shells are made of it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -51,9 +52,14 @@ std::string man_page(const ManualPage& page, const std::vector<ManualPage>& page
 /// The same page in Markdown, for the documentation's site.
 std::string markdown_page(const ManualPage& page);
 
-/// The script that completes command lines in a shell: bash, zsh or fish.
-std::string bash_completion(const std::vector<ManualPage>& pages);
-std::string zsh_completion(const std::vector<ManualPage>& pages);
-std::string fish_completion(const std::vector<ManualPage>& pages);
+enum class Shell : std::uint8_t { bash, zsh, fish };
+
+/// The script that completes command lines in a shell: it asks for completions().
+const char* completion_script(Shell shell);
+
+/// What may stand for the last of the words behind the program's name: "words" and one on each line, with its help
+/// where the shell shows it; "files", or "files obj|stl", for these extensions; "folders"; nothing behind what is no
+/// verb.
+std::string completions(const std::vector<ManualPage>& pages, Shell shell, const std::vector<std::string>& words);
 
 }  // namespace standoff::cli

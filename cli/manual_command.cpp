@@ -45,11 +45,13 @@ void add_completion(CLI::App& program) {
   auto* verb =
       add_verb(program, "completion", "print the script that completes command lines in a shell", kCompletionExamples);
   const auto shell = std::make_shared<std::string>();
+  const auto words = std::make_shared<std::vector<std::string>>();
   verb->add_option("SHELL", *shell, "bash, zsh or fish")->required();
-  verb->callback([&program, shell] {
-    using Make = std::string (*)(const std::vector<ManualPage>&);
-    constexpr Make kMakers[] = {bash_completion, zsh_completion, fish_completion};
-    print(kMakers[parse_choice("completion", *shell, {"bash", "zsh", "fish"})](manual(program)));
+  auto* const line =
+      verb->add_option("WORD", *words, "of a command line: what may stand for the last, as the script asks");
+  verb->callback([&program, shell, words, line] {
+    const auto which = static_cast<Shell>(parse_choice("completion", *shell, {"bash", "zsh", "fish"}));
+    print(line->count() == 0 ? completion_script(which) : completions(manual(program), which, *words));
   });
 }
 

@@ -39,6 +39,10 @@ Pose pose_of(const PoseInput& poses, std::size_t n);
 /// All of them. Errors: usage (a pose that is not rigid; batches would number it within a part).
 std::vector<Pose> poses_of(const PoseInput& poses);
 
+/// An array of numpy's, as a type that stubs name.
+template <class Number>
+using Array = nb::ndarray<nb::numpy, Number>;
+
 /// A new array of numpy's, in C order, whose memory is not initialised.
 template <class Number>
 struct NewArray {
@@ -52,10 +56,10 @@ struct NewArray {
   Number* data() { return memory_.get(); }
   Number& operator[](std::size_t n) { return memory_[n]; }
   /// Hands the memory over.
-  nb::object finish() {
+  Array<Number> finish() {
     const nb::capsule owner(memory_.get(), [](void* p) noexcept { delete[] static_cast<Number*>(p); });
     Number* const data = memory_.release();
-    return nb::cast(nb::ndarray<nb::numpy, Number>(data, shape_.size(), shape_.data(), owner));
+    return {data, shape_.size(), shape_.data(), owner};
   }
 
  private:
@@ -65,14 +69,14 @@ struct NewArray {
 
 /// An array over the elements of a vector, which it keeps: (n, 3) for elements of three numbers.
 template <class Number, class Element>
-nb::object array_over(std::vector<Element>&& elements) {
+Array<Number> array_over(std::vector<Element>&& elements) {
   constexpr std::size_t kNumbers = sizeof(Element) / sizeof(Number);
   static_assert(kNumbers * sizeof(Number) == sizeof(Element));
   auto* const kept = new std::vector<Element>(std::move(elements));
   const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<Element>*>(p); });
   const std::size_t shape[2] = {kept->size(), kNumbers};
   auto* const data = reinterpret_cast<Number*>(kept->data());
-  return nb::cast(nb::ndarray<nb::numpy, Number>(data, kNumbers == 1 ? 1 : 2, shape, owner));
+  return {data, kNumbers == 1 ? 1 : 2, shape, owner};
 }
 
 }  // namespace standoff::python

@@ -88,7 +88,7 @@ void copy_dense(const DistanceField& field, const DenseOutput& out) {
   field.copy_slices(0, field.grid().size.z, {out.data(), out.size()});
 }
 
-nb::object nearest_of(const DistanceField& field) {
+Array<std::uint32_t> nearest_of(const DistanceField& field) {
   const Size3 size = field.grid().size;
   NewArray<std::uint32_t> out(
       {static_cast<std::size_t>(size.z), static_cast<std::size_t>(size.y), static_cast<std::size_t>(size.x)});
@@ -97,18 +97,18 @@ nb::object nearest_of(const DistanceField& field) {
 }
 
 // The stored tiles [n, i, j, k], as they lie in the field's memory: x fastest. The array keeps the field.
-nb::object tile_values(const nb::handle& self) {
+nb::ndarray<nb::numpy, nb::ro, const float> tile_values(const nb::handle& self) {
   const auto& field = nb::cast<const DistanceField&>(self);
   const auto tiles = static_cast<std::size_t>(field.stored_tiles());
   const std::size_t shape[4] = {tiles, 8, 8, 8};
   const std::int64_t strides[4] = {DistanceField::kTileSamples, 1, 8, 64};
-  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const float>(field.tile_values().data(), 4, shape, self, strides));
+  return {field.tile_values().data(), 4, shape, self, strides};
 }
 
-nb::object slots_of(const nb::handle& self) {
+nb::ndarray<nb::numpy, nb::ro, const std::int32_t> slots_of(const nb::handle& self) {
   const auto& field = nb::cast<const DistanceField&>(self);
   const std::size_t shape[1] = {field.slots().size()};
-  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const std::int32_t>(field.slots().data(), 1, shape, self));
+  return {field.slots().data(), 1, shape, self};
 }
 
 // The field of stored tiles: values as tile_values gives them, (n, 512) in the memory's order, and one entry of slots
@@ -167,7 +167,7 @@ Outside outside_of(const std::string& name) {
   return static_cast<Outside>(choice_of("outside", name, kNames));
 }
 
-nb::object values_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
+Array<double> values_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
   const Outside choice = outside_of(outside);
   NewArray<double> out({points.shape(0)});
   const std::span<const Vec3> all = points_of(points);
@@ -179,7 +179,8 @@ nb::object values_at(const DistanceField& field, const PointInput& points, const
   return out.finish();
 }
 
-nb::object gradients_at(const DistanceField& field, const PointInput& points, const std::string& outside, int threads) {
+Array<double> gradients_at(const DistanceField& field, const PointInput& points, const std::string& outside,
+                           int threads) {
   const Outside choice = outside_of(outside);
   NewArray<double> out({points.shape(0), 3});
   const std::span<const Vec3> all = points_of(points);

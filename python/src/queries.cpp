@@ -29,8 +29,8 @@ MeshQuery build(const VertexInput& vertices, const FaceInput& faces, const nb::h
   });
 }
 
-nb::object distances(const MeshQuery& query, const PointInput& points, int threads, const std::string& device,
-                     const nb::object& progress) {
+Array<double> distances(const MeshQuery& query, const PointInput& points, int threads, const std::string& device,
+                        const nb::object& progress) {
   NewArray<double> out({points.shape(0)});
   const Execution execution = execution_of(threads, device);
   ask(progress, points.shape(0), [&](const ProgressCallback& report) {
@@ -39,7 +39,8 @@ nb::object distances(const MeshQuery& query, const PointInput& points, int threa
   return out.finish();
 }
 
-nb::object winding_numbers(const MeshQuery& query, const PointInput& points, int threads, const nb::object& progress) {
+Array<double> winding_numbers(const MeshQuery& query, const PointInput& points, int threads,
+                              const nb::object& progress) {
   NewArray<double> out({points.shape(0)});
   ask(progress, points.shape(0), [&](const ProgressCallback& report) {
     query.winding_numbers(points_of(points), {out.data(), out.count()},

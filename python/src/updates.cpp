@@ -80,7 +80,7 @@ class Live {
     calls_.run(nb::none(), [&] { copy = live_->field(); });
     return copy;
   }
-  nb::object vertices() {
+  Array<double> vertices() {
     std::vector<Vec3> copy;
     calls_.run(nb::none(), [&] { copy.assign(live_->mesh().vertices.begin(), live_->mesh().vertices.end()); });
     return array_over<double>(std::move(copy));

@@ -55,28 +55,38 @@ class ObjectText {
   std::string text_;
 };
 
+// Calls visit(name, member) for what is kept of a report but the sign's method and the mesh's hash.
+template <class Report, class Visit>
+void each_member(Report& report, const Visit& visit) {
+  visit("method", report.method);
+  visit("backend", report.backend);
+  visit("device", report.device);
+  visit("threads", report.threads);
+  visit("triangles", report.triangles);
+  visit("skipped", report.skipped);
+  visit("samples", report.samples);
+  visit("samples_examined", report.samples_examined);
+  visit("samples_band", report.samples_band);
+  visit("tiles", report.tiles);
+  visit("tiles_stored", report.tiles_stored);
+  visit("why", report.sign.why);
+  visit("sure", report.sign.sure);
+  visit("flipped", report.sign.flipped);
+  visit("left_out", report.sign.left_out);
+  visit("boundary_edges", report.sign.boundary_edges);
+  visit("internal", report.sign.internal);
+  visit("cut", report.sign.cut);
+}
+
 ObjectText text_of(const ComputeReport& report) {
-  const SignReport& sign = report.sign;
   ObjectText text;
-  text.add("method", report.method);
-  text.add("backend", report.backend);
-  text.add("device", report.device);
-  text.add("threads", std::int64_t{report.threads});
-  text.add("triangles", report.triangles);
-  text.add("skipped", report.skipped);
-  text.add("samples", report.samples);
-  text.add("samples_examined", report.samples_examined);
-  text.add("samples_band", report.samples_band);
-  text.add("tiles", report.tiles);
-  text.add("tiles_stored", report.tiles_stored);
-  text.add("sign", std::string(find_info(sign.method)->name));
-  text.add("why", sign.why);
-  text.add("sure", sign.sure);
-  text.add("flipped", sign.flipped);
-  text.add("left_out", sign.left_out);
-  text.add("boundary_edges", sign.boundary_edges);
-  text.add("internal", sign.internal);
-  text.add("cut", sign.cut);
+  each_member(report, [&]<class Member>(const char* name, const Member& member) {
+    if constexpr (std::is_same_v<Member, int>)
+      text.add(name, std::int64_t{member});
+    else
+      text.add(name, member);
+  });
+  text.add("sign", std::string(find_info(report.sign.method)->name));
   text.add("mesh_hash", hash_text(report.provenance.mesh_hash));
   return text;
 }
@@ -89,31 +99,20 @@ JsonView need(const JsonView& object, const char* name) {
 
 // Errors: input, where something is missing.
 ComputeReport report_of(const JsonView& json) {
-  const auto text = [&](const char* name) { return need(json, name).text(); };
-  const auto number = [&](const char* name) { return static_cast<std::int64_t>(need(json, name).whole()); };
   ComputeReport report;
-  report.method = text("method");
-  report.backend = text("backend");
-  report.device = text("device");
-  report.threads = static_cast<int>(number("threads"));
-  report.triangles = number("triangles");
-  report.skipped = number("skipped");
-  report.samples = number("samples");
-  report.samples_examined = number("samples_examined");
-  report.samples_band = number("samples_band");
-  report.tiles = number("tiles");
-  report.tiles_stored = number("tiles_stored");
-  const std::string sign = text("sign");
+  each_member(report, [&]<class Member>(const char* name, Member& member) {
+    const JsonView value = need(json, name);
+    if constexpr (std::is_same_v<Member, std::string>)
+      member = value.text();
+    else if constexpr (std::is_same_v<Member, bool>)
+      member = value.boolean();
+    else
+      member = static_cast<Member>(value.whole());
+  });
+  const std::string sign = need(json, "sign").text();
   for (const SignMethodInfo& info : kSignMethods)
     if (sign == info.name) report.sign.method = info.method;
-  report.sign.why = text("why");
-  report.sign.sure = need(json, "sure").boolean();
-  report.sign.flipped = number("flipped");
-  report.sign.left_out = number("left_out");
-  report.sign.boundary_edges = number("boundary_edges");
-  report.sign.internal = number("internal");
-  report.sign.cut = number("cut");
-  report.provenance.mesh_hash = hash_in(text("mesh_hash")).value_or(0);
+  report.provenance.mesh_hash = hash_in(need(json, "mesh_hash").text()).value_or(0);
   return report;
 }
 

@@ -87,17 +87,12 @@ class ArrayFileReader {
     const std::string what = what_;
     if (file_.size() < sizeof header + sizeof(std::uint64_t) || !file_.bytes().starts_with(magic))
       file_.fail("", "this is no " + what + " that standoff saved; give a mesh, or save a " + what + " again");
-    take_header(header);
-    if (header.version != version)
-      fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
-                         std::to_string(version));
-  }
-  template <class Header>
-  void take_header(Header& header) {
-    file_.require(0, sizeof header, "a header");
     std::memcpy(&header, file_.bytes().data(), sizeof header);
     sum_.add(&header, sizeof header);
     at_ = sizeof header;
+    if (header.version != version)
+      fail("header", "version " + std::to_string(header.version) + " is not known to this standoff, which knows " +
+                         std::to_string(version));
   }
   template <class Vector>
   void take(Vector& to, std::uint64_t count) {

@@ -20,6 +20,7 @@
 #include "sign/open_winding/cap_tree.h"
 #include "sign/outer/outer.h"
 #include "sign/plan.h"
+#include "simd/dispatch.h"
 #include "standoff/error.h"
 #include "standoff/sign.h"
 
@@ -102,7 +103,7 @@ void answer_all(const MeshQuery::Data& data, std::span<const Vec3> points, const
   const Execution& execution = options.execution;
   ProgressMeter progress(options.progress);
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(execution.simd);
+  const cpu::PointKernels& kernels = dispatch_of<cpu::PointKernels>().of(execution.simd, "points");
   const TriangleIndex& index = data.near();
   const PointDevice* const device = find_point_device(execution.backend, points.size());
   const auto answer_some = [&](const FoundTriangles& found, std::size_t first, std::size_t begin, std::size_t end,
@@ -233,7 +234,7 @@ void MeshQuery::closest(std::span<const Vec3> points, std::span<ClosestPoint> ou
     try {
   validate("points", options.execution, Runs::everywhere);
   check(points, out.size());
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(options.execution.simd);
+  const cpu::PointKernels& kernels = dispatch_of<cpu::PointKernels>().of(options.execution.simd, "points");
   answer_all(*data_, points, options, [&](const Decided& decided, std::size_t first) {
     find_closest(data_->near(), kernels, decided, out.subspan(first));
   });
@@ -250,7 +251,7 @@ void MeshQuery::winding_numbers(std::span<const Vec3> points, std::span<double> 
                 "points: winding numbers are known to queries whose sign method is winding; choose it");
   ProgressMeter progress(options.progress);
   progress.stage("points", static_cast<std::int64_t>(points.size()), 0, 1);
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(options.execution.simd);
+  const cpu::PointKernels& kernels = dispatch_of<cpu::PointKernels>().of(options.execution.simd, "points");
   const auto answer = [&](std::size_t n) {
     WorkCheck check(progress, kLooks);
     out[n] = data_->signs->winding_number(points[n], kernels, check);

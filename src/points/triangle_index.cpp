@@ -11,6 +11,7 @@
 #include "bvh/order.h"
 #include "geometry/triangle_box.h"
 #include "points/cpu/kernels.h"
+#include "simd/dispatch.h"
 
 namespace standoff {
 namespace {
@@ -56,7 +57,7 @@ TriangleIndex::TriangleIndex(const Mesh& mesh, std::span<const std::uint32_t> am
   tree_.top = bvh().top_level();
   std::ranges::copy(bvh().level_begin(), tree_.begin);
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(std::uint32_t));
-  const cpu::PointKernels& kernels = cpu::point_kernels_for(simd);
+  const cpu::PointKernels& kernels = dispatch_of<cpu::PointKernels>().of(simd, "points");
   const Vec3 middle = bvh().frame().center;
   const double center[3] = {middle.x, middle.y, middle.z};
   tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, tree_.begin[1], 256), [&](const auto& range) {

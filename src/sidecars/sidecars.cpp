@@ -25,15 +25,6 @@
 #include "simd/dispatch.h"
 #include "standoff/error.h"
 
-namespace standoff::cpu {
-
-const SidecarKernels& sidecar_kernels_for(Simd simd) {
-  static const Dispatch<SidecarKernels> kernels;
-  return kernels.of(simd, "sidecars");
-}
-
-}  // namespace standoff::cpu
-
 namespace standoff {
 namespace {
 
@@ -110,7 +101,9 @@ class Pass {
  public:
   Pass(MeshView mesh, const DistanceField& field, std::span<const SidecarKind> kinds, std::vector<Sidecar>& into,
        Simd simd)
-      : field_(field), tiles_(field.tile_coordinates()), kernels_(cpu::sidecar_kernels_for(simd)) {
+      : field_(field),
+        tiles_(field.tile_coordinates()),
+        kernels_(dispatch_of<cpu::SidecarKernels>().of(simd, "sidecars")) {
     const int exponent = -std::ilogb(field.grid().max_spacing());
     mesh_ = {cpu::memory_of(mesh),
              static_cast<std::uint32_t>(mesh.triangles.size()),

@@ -443,10 +443,7 @@ void expect_made_for(const SignDecisionContent& content, MeshView mesh, std::uin
 
 }  // namespace
 
-SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash, const SignOptions& options,
-                 const Grid& grid) {
-  const SignDecisionContent& content = SignDecisionAccess::content(decision);
-  expect_made_for(content, mesh, hash, options, grid);
+SignPlan plan_of(const SignDecisionContent& content, MeshView mesh, const Grid& grid) {
   const std::size_t triangles = mesh.triangles.size();
   SignPlan plan;
   plan.report = content.report;
@@ -457,6 +454,14 @@ SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash
     plan.flood = unpacked_flood(content.flood, TileLattice::around(grid, bounds(mesh)).tile_count());
   else if (!content.flood.empty())
     fail_damaged("its flood has no grid");
+  return plan;
+}
+
+SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash, const SignOptions& options,
+                 const Grid& grid) {
+  const SignDecisionContent& content = SignDecisionAccess::content(decision);
+  expect_made_for(content, mesh, hash, options, grid);
+  SignPlan plan = plan_of(content, mesh, grid);
   expect_sure(plan, options);
   return plan;
 }

@@ -57,6 +57,10 @@ SignDecision decision_of(const SignPlan& plan, MeshView mesh, std::uint64_t hash
 SignPlan plan_of(const SignDecision& decision, MeshView mesh, std::uint64_t hash, const SignOptions& options,
                  const Grid& grid);
 
+/// The plan of a decision that was made for this mesh, and this grid if it has one. Throws Error{input} where it is
+/// damaged.
+SignPlan plan_of(const SignDecisionContent& content, MeshView mesh, const Grid& grid);
+
 /// Puts the mark, the version and the checksum before the bytes of a decision.
 std::vector<std::byte> sealed(std::span<const std::byte> content);
 /// How many bytes that are.

@@ -11,6 +11,7 @@
 
 #include "core/tile_count.h"
 #include "sign/cpu/kernels.h"
+#include "simd/dispatch.h"
 
 namespace standoff {
 
@@ -35,7 +36,7 @@ void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, co
 }  // namespace
 
 void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField& field, ProgressMeter& progress) {
-  const cpu::SignKernels& kernels = cpu::sign_kernels_for(Simd::automatic);
+  const cpu::SignKernels& kernels = dispatch_of<cpu::SignKernels>().best();
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
   const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
@@ -48,7 +49,7 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
 }
 
 void sign_values(SampleSigns& signs, bool invert, const Grid& grid, std::span<float> values, ProgressMeter& progress) {
-  const cpu::SignKernels& kernels = cpu::sign_kernels_for(Simd::automatic);
+  const cpu::SignKernels& kernels = dispatch_of<cpu::SignKernels>().best();
   PerThread<std::vector<std::uint8_t>> scratch(
       [&] { return std::vector<std::uint8_t>(static_cast<std::size_t>(tiles_along(grid.size.x))); });
   for_each_row_of_tiles(signs, invert, grid, progress, [&](const InsideRows& rows, std::int64_t ty, std::int64_t tz) {

@@ -7,12 +7,14 @@
 
 #include "core/tile_count.h"
 #include "sign/cpu/kernels.h"
+#include "sign/rows/row_crossings.h"
+#include "simd/dispatch.h"
 
 namespace standoff {
 
 std::int64_t InsideRows::bytes(const Grid& grid) {
-  constexpr std::int64_t kBits = kRows, kSteps = kRows * kSide + 1, kStepsOfRow = kSide * sizeof(std::int32_t);
-  return (kBits + kSteps + kStepsOfRow) * tiles_along(grid.size.x);
+  constexpr std::int64_t kBits = kRows, kSteps = kRows * kSide + 1;
+  return (kBits + kSteps) * tiles_along(grid.size.x);
 }
 
 InsideRows::InsideRows(const Grid& grid, const Grid& window)
@@ -50,16 +52,25 @@ void InsideRows::set(int row, std::int64_t begin, std::int64_t end) {
   at(last) |= tail;
 }
 
-void InsideRows::begin_steps() {
-  if (!steps_.empty()) return;
-  steps_.resize(kSide * bits_.size());
-  is_stepped_.resize(bits_.size() / kRows);
-}
-
-void InsideRows::finish_steps(WindingRule rule) {
-  const auto [first, end] =
-      cpu::sign_kernels_for(Simd::automatic)
-          .mark_inside(steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
+void InsideRows::fill_between(std::span<const RowCrossing> crossings, WindingRule rule) {
+  if (crossings.empty()) return;
+  if (!add_steps(crossings, rule)) {
+    std::ranges::fill(steps_, std::int8_t{0});
+    std::ranges::fill(is_stepped_, std::uint8_t{0});
+    std::vector<RowCrossing> sorted(crossings.begin(), crossings.end());
+    std::ranges::sort(sorted);
+    std::int32_t winding = 0;
+    for (std::size_t n = 0; n < sorted.size(); ++n) {
+      const int row = sorted[n].row();
+      const bool last = n + 1 == sorted.size() || sorted[n + 1].row() != row;
+      winding += sorted[n].step();
+      if (standoff::is_inside(winding, rule)) set(row, sorted[n].past(), last ? size_.x : sorted[n + 1].past());
+      if (last) winding = 0;
+    }
+    return;
+  }
+  const auto [first, end] = dispatch_of<cpu::SignKernels>().best().mark_inside(
+      steps_.data(), is_stepped_.data(), std::ssize(is_stepped_), rule, bits_.data());
   first_tile_ = begin_ + first;
   end_of_tiles_ = begin_ + end;
   // Put all beyond the grid outside.
@@ -67,9 +78,28 @@ void InsideRows::finish_steps(WindingRule rule) {
     for (std::uint8_t& byte : tile(tiles_end() - 1)) byte &= static_cast<std::uint8_t>(0xff >> (kSide - last));
 }
 
-void InsideRows::drop_steps() {
-  std::ranges::fill(steps_, std::int8_t{0});
-  std::ranges::fill(is_stepped_, std::uint8_t{0});
+// Adds the step at each crossing to that of its sample, a byte. Returns false where the winding numbers of a row may
+// need more than a byte.
+bool InsideRows::add_steps(std::span<const RowCrossing> crossings, WindingRule rule) {
+  steps_.resize(kSide * bits_.size());
+  is_stepped_.resize(bits_.size() / kRows);
+  // Winding numbers of a row are from -leaves to enters. Odd ones stay odd where a byte overflows.
+  std::array<std::int64_t, kRows> enters{}, leaves{};
+  // Bytes may be anything to a compiler, also the members: copy these.
+  std::int8_t* const steps = steps_.data();
+  std::uint8_t* const is_stepped = is_stepped_.data();
+  const std::int64_t begin = kSide * begin_, end = size_.x;
+  for (const RowCrossing& crossing : crossings) {
+    const auto row = static_cast<std::size_t>(crossing.row());
+    const std::int64_t from = std::max(crossing.past(), begin);
+    if (from >= end) continue;
+    const auto n = static_cast<std::size_t>(from - begin);
+    is_stepped[n / kSide] = 1;
+    steps[kRows * n + row] = static_cast<std::int8_t>(steps[kRows * n + row] + crossing.step());
+    (crossing.step() > 0 ? enters : leaves)[row] += std::abs(crossing.step());
+  }
+  return rule == WindingRule::odd ||
+         std::max(std::ranges::max(enters), std::ranges::max(leaves)) <= std::numeric_limits<std::int8_t>::max();
 }
 
 void InsideRows::invert() {

@@ -18,6 +18,8 @@
 
 namespace standoff {
 
+struct RowCrossing;
+
 /// Whether points with this generalised winding number are inside. Exactly at a threshold, a half-integer, the value of
 /// smaller magnitude decides.
 inline bool is_inside(double winding, WindingRule rule) {
@@ -70,7 +72,7 @@ class InsideRows {
   explicit InsideRows(const Grid& grid) : InsideRows(grid, grid) {}
   /// Requires a window of whole tiles.
   InsideRows(const Grid& grid, const Grid& window);
-  /// The memory that an object takes, and fill_between() (rows/row_crossings.h).
+  /// The memory that an object takes.
   static std::int64_t bytes(const Grid& grid);
 
   /// Begins with the tiles (., ty, tz): all their samples are outside.
@@ -80,11 +82,9 @@ class InsideRows {
   std::int64_t tiles_end() const { return (size_.x + kSide - 1) / kSide; }
   /// Marks samples begin to end - 1 of a row that is in the grid, those that are held.
   void set(int row, std::int64_t begin, std::int64_t end);
-  /// Marks the samples inside by the crossings of their rows, in any order. A crossing has a row(), and a step() by
-  /// which the winding number changes from a sample, past(), on. Requires that all samples are outside. Returns false,
-  /// and does nothing, where the steps of a row may add up to more than a byte holds.
-  template <class Crossing>
-  bool mark_between(std::span<const Crossing> crossings, WindingRule rule);
+  /// Marks the samples inside by the crossings of their rows, in any order, with a closed mesh. Requires that all
+  /// samples are outside.
+  void fill_between(std::span<const RowCrossing> crossings, WindingRule rule);
   /// Exchanges inside and outside within the grid.
   void invert();
 
@@ -117,9 +117,7 @@ class InsideRows {
   const Size3& size() const { return size_; }
 
  private:
-  void begin_steps();
-  void drop_steps();
-  void finish_steps(WindingRule rule);
+  bool add_steps(std::span<const RowCrossing> crossings, WindingRule rule);
   std::size_t place(std::int64_t tx) const { return static_cast<std::size_t>(kRows * (tx - begin_)); }
   std::array<std::uint64_t, kRows / 8> words(std::int64_t tx) const;
   std::int64_t samples_along_x(std::int64_t tx) const { return std::min<std::int64_t>(kSide, size_.x - kSide * tx); }
@@ -132,34 +130,6 @@ class InsideRows {
   std::vector<std::int8_t> steps_;        // by sample, then by row
   std::vector<std::uint8_t> is_stepped_;  // by tile
 };
-
-template <class Crossing>
-bool InsideRows::mark_between(std::span<const Crossing> crossings, WindingRule rule) {
-  if (crossings.empty()) return true;
-  begin_steps();
-  // Winding numbers of a row are from -leaves to enters. Odd ones stay odd where a byte overflows.
-  std::array<std::int64_t, kRows> enters{}, leaves{};
-  // Bytes may be anything to a compiler, also the members: copy these.
-  std::int8_t* const steps = steps_.data();
-  std::uint8_t* const is_stepped = is_stepped_.data();
-  const std::int64_t begin = kSide * begin_, end = size_.x;
-  for (const Crossing& crossing : crossings) {
-    const auto row = static_cast<std::size_t>(crossing.row());
-    const std::int64_t from = std::max(crossing.past(), begin);
-    if (from >= end) continue;
-    const auto n = static_cast<std::size_t>(from - begin);
-    is_stepped[n / kSide] = 1;
-    steps[kRows * n + row] = static_cast<std::int8_t>(steps[kRows * n + row] + crossing.step());
-    (crossing.step() > 0 ? enters : leaves)[row] += std::abs(crossing.step());
-  }
-  if (rule != WindingRule::odd &&
-      std::max(std::ranges::max(enters), std::ranges::max(leaves)) > std::numeric_limits<std::int8_t>::max()) {
-    drop_steps();
-    return false;
-  }
-  finish_steps(rule);
-  return true;
-}
 
 /// A method that decides a sign: for each row of tiles it says which samples are inside.
 class SampleSigns {

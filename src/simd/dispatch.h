@@ -76,4 +76,11 @@ class Dispatch {
   int count_ = 0;
 };
 
+/// Of this processor.
+template <class Kernels>
+const Dispatch<Kernels>& dispatch_of() {
+  static const Dispatch<Kernels> dispatch;
+  return dispatch;
+}
+
 }  // namespace standoff

@@ -2,10 +2,11 @@
 // The instruction set that a file of kernels is compiled for, with its wide types, which have the same names in every
 // set.
 //
-// Kernels are written once, in fragments (.inl), and compiled once per set: kernels_<set>.cpp defines its set before it
-// includes them. If no set is defined, as when an editor opens a fragment alone, it is the portable one. All functions
-// of a fragment lie in an unnamed namespace within STANDOFF_TARGET, because a function compiled for one processor must
-// never serve the code for others (script/check_weak_symbols).
+// Kernels are written once, in fragments (.inl), and compiled once per set: kernels_<set>.cpp, which CMake makes out of
+// cmake/kernels.cpp.in, defines its set before it includes them. If no set is defined, as when an editor opens a
+// fragment alone, it is the portable one. All functions of a fragment lie in an unnamed namespace within
+// STANDOFF_TARGET, because a function compiled for one processor must never serve the code for others
+// (script/check_weak_symbols).
 #pragma once
 
 #if defined(STANDOFF_TARGET_AVX512)

@@ -10,79 +10,110 @@
 
 namespace standoff::avx2 {
 
-struct Mask {
-  __m256 lo, hi;
+// What the compiler's operators do not do, for a register of floats and for one of doubles.
+STANDOFF_INLINE __m256 filled(float value) { return _mm256_set1_ps(value); }
+STANDOFF_INLINE __m256d filled(double value) { return _mm256_set1_pd(value); }
+STANDOFF_INLINE __m256 loaded(const float* p) { return _mm256_loadu_ps(p); }
+STANDOFF_INLINE __m256d loaded(const double* p) { return _mm256_loadu_pd(p); }
+STANDOFF_INLINE void put(float* p, __m256 a) { _mm256_storeu_ps(p, a); }
+STANDOFF_INLINE void put(double* p, __m256d a) { _mm256_storeu_pd(p, a); }
+STANDOFF_INLINE __m256 fma(__m256 a, __m256 b, __m256 c) { return _mm256_fmadd_ps(a, b, c); }
+STANDOFF_INLINE __m256d fma(__m256d a, __m256d b, __m256d c) { return _mm256_fmadd_pd(a, b, c); }
+STANDOFF_INLINE __m256 min(__m256 a, __m256 b) { return _mm256_min_ps(a, b); }
+STANDOFF_INLINE __m256d min(__m256d a, __m256d b) { return _mm256_min_pd(a, b); }
+STANDOFF_INLINE __m256 max(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
+STANDOFF_INLINE __m256d max(__m256d a, __m256d b) { return _mm256_max_pd(a, b); }
+STANDOFF_INLINE __m256 sqrt(__m256 a) { return _mm256_sqrt_ps(a); }
+STANDOFF_INLINE __m256d sqrt(__m256d a) { return _mm256_sqrt_pd(a); }
+STANDOFF_INLINE __m256 less(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
+STANDOFF_INLINE __m256d less(__m256d a, __m256d b) { return _mm256_cmp_pd(a, b, _CMP_LT_OQ); }
+STANDOFF_INLINE __m256 select(__m256 m, __m256 yes, __m256 no) { return _mm256_blendv_ps(no, yes, m); }
+STANDOFF_INLINE __m256d select(__m256d m, __m256d yes, __m256d no) { return _mm256_blendv_pd(no, yes, m); }
+STANDOFF_INLINE int bits_of(__m256 m) { return _mm256_movemask_ps(m); }
+STANDOFF_INLINE int bits_of(__m256d m) { return _mm256_movemask_pd(m); }
+STANDOFF_INLINE __m256i as_integers(__m256 m) { return _mm256_castps_si256(m); }
+STANDOFF_INLINE __m256i as_integers(__m256d m) { return _mm256_castpd_si256(m); }
+STANDOFF_INLINE void of_integers(__m256i from, __m256& to) { to = _mm256_castsi256_ps(from); }
+STANDOFF_INLINE void of_integers(__m256i from, __m256d& to) { to = _mm256_castsi256_pd(from); }
+
+/// All bits of a lane are set, or none.
+template <class Number>
+struct WideMask {
+  using Half = decltype(filled(Number{}));
+  Half lo, hi;
+
   STANDOFF_INLINE std::uint32_t to_bits() const {
-    return static_cast<std::uint32_t>(_mm256_movemask_ps(lo) | (_mm256_movemask_ps(hi) << 8));
+    return static_cast<std::uint32_t>(bits_of(lo) | (bits_of(hi) << (32 / sizeof(Number))));
   }
-  friend STANDOFF_INLINE Mask operator~(Mask a) {
-    const __m256 ones = _mm256_castsi256_ps(_mm256_set1_epi32(-1));
-    return {_mm256_xor_ps(a.lo, ones), _mm256_xor_ps(a.hi, ones)};
+  friend STANDOFF_INLINE WideMask operator&(WideMask a, WideMask b) {
+    return both(as_integers(a.lo) & as_integers(b.lo), as_integers(a.hi) & as_integers(b.hi));
   }
-  friend STANDOFF_INLINE Mask operator&(Mask a, Mask b) {
-    return {_mm256_and_ps(a.lo, b.lo), _mm256_and_ps(a.hi, b.hi)};
+  friend STANDOFF_INLINE WideMask operator|(WideMask a, WideMask b) {
+    return both(as_integers(a.lo) | as_integers(b.lo), as_integers(a.hi) | as_integers(b.hi));
   }
-  friend STANDOFF_INLINE Mask operator|(Mask a, Mask b) { return {_mm256_or_ps(a.lo, b.lo), _mm256_or_ps(a.hi, b.hi)}; }
-};
+  friend STANDOFF_INLINE WideMask operator^(WideMask a, WideMask b) {
+    return both(as_integers(a.lo) ^ as_integers(b.lo), as_integers(a.hi) ^ as_integers(b.hi));
+  }
+  friend STANDOFF_INLINE WideMask operator~(WideMask a) { return both(~as_integers(a.lo), ~as_integers(a.hi)); }
+  friend STANDOFF_INLINE WideMask negated(WideMask a) { return ~a; }
 
-struct WideFloat {
-  static constexpr int kLanes = 16;
-  __m256 lo, hi;
-
-  WideFloat() = default;
-  STANDOFF_INLINE WideFloat(__m256 low, __m256 high) : lo(low), hi(high) {}
-  STANDOFF_INLINE WideFloat(float value) : lo(_mm256_set1_ps(value)), hi(lo) {}
-  STANDOFF_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
-
-  static STANDOFF_INLINE WideFloat load(const float* p) { return {_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)}; }
-  STANDOFF_INLINE void store(float* p) const {
-    _mm256_storeu_ps(p, lo);
-    _mm256_storeu_ps(p + 8, hi);
-  }
-
-  friend STANDOFF_INLINE WideFloat operator+(WideFloat a, WideFloat b) {
-    return {_mm256_add_ps(a.lo, b.lo), _mm256_add_ps(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideFloat operator-(WideFloat a, WideFloat b) {
-    return {_mm256_sub_ps(a.lo, b.lo), _mm256_sub_ps(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideFloat operator*(WideFloat a, WideFloat b) {
-    return {_mm256_mul_ps(a.lo, b.lo), _mm256_mul_ps(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideFloat operator/(WideFloat a, WideFloat b) {
-    return {_mm256_div_ps(a.lo, b.lo), _mm256_div_ps(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideFloat operator-(WideFloat a) {
-    const __m256 sign = _mm256_set1_ps(-0.0f);
-    return {_mm256_xor_ps(a.lo, sign), _mm256_xor_ps(a.hi, sign)};
+ private:
+  static STANDOFF_INLINE WideMask both(__m256i low, __m256i high) {
+    WideMask result;
+    of_integers(low, result.lo), of_integers(high, result.hi);
+    return result;
   }
 };
 
-STANDOFF_INLINE WideFloat fma(WideFloat a, WideFloat b, WideFloat c) {
-  return {_mm256_fmadd_ps(a.lo, b.lo, c.lo), _mm256_fmadd_ps(a.hi, b.hi, c.hi)};
-}
-STANDOFF_INLINE WideFloat min(WideFloat a, WideFloat b) {
-  return {_mm256_min_ps(a.lo, b.lo), _mm256_min_ps(a.hi, b.hi)};
-}
-STANDOFF_INLINE WideFloat max(WideFloat a, WideFloat b) {
-  return {_mm256_max_ps(a.lo, b.lo), _mm256_max_ps(a.hi, b.hi)};
-}
-STANDOFF_INLINE WideFloat sqrt(WideFloat a) { return {_mm256_sqrt_ps(a.lo), _mm256_sqrt_ps(a.hi)}; }
+template <class Number>
+struct Wide {
+  static constexpr int kLanes = 64 / sizeof(Number);
+  static constexpr bool kIsFloat = sizeof(Number) == sizeof(float);
+  using Mask = WideMask<Number>;
+  using Half = typename Mask::Half;
+  Half lo, hi;
+
+  Wide() = default;
+  STANDOFF_INLINE Wide(Half low, Half high) : lo(low), hi(high) {}
+  STANDOFF_INLINE explicit(!kIsFloat) Wide(Number value) : lo(filled(value)), hi(lo) {}
+  STANDOFF_INLINE explicit Wide(int value) : Wide(static_cast<Number>(value)) {}
+
+  static STANDOFF_INLINE Wide load(const Number* p) { return {loaded(p), loaded(p + kLanes / 2)}; }
+  static STANDOFF_INLINE Wide load(const float* p) requires(!kIsFloat) {
+    return {_mm256_cvtps_pd(_mm_loadu_ps(p)), _mm256_cvtps_pd(_mm_loadu_ps(p + 4))};
+  }
+  STANDOFF_INLINE void store(Number* p) const { put(p, lo), put(p + kLanes / 2, hi); }
+
+  friend STANDOFF_INLINE Wide operator+(Wide a, Wide b) { return {a.lo + b.lo, a.hi + b.hi}; }
+  friend STANDOFF_INLINE Wide operator-(Wide a, Wide b) { return {a.lo - b.lo, a.hi - b.hi}; }
+  friend STANDOFF_INLINE Wide operator*(Wide a, Wide b) { return {a.lo * b.lo, a.hi * b.hi}; }
+  friend STANDOFF_INLINE Wide operator/(Wide a, Wide b) { return {a.lo / b.lo, a.hi / b.hi}; }
+  friend STANDOFF_INLINE Wide operator-(Wide a) { return {-a.lo, -a.hi}; }
+  friend STANDOFF_INLINE Wide fma(Wide a, Wide b, Wide c) { return {fma(a.lo, b.lo, c.lo), fma(a.hi, b.hi, c.hi)}; }
+  friend STANDOFF_INLINE Wide min(Wide a, Wide b) { return {min(a.lo, b.lo), min(a.hi, b.hi)}; }
+  friend STANDOFF_INLINE Wide max(Wide a, Wide b) { return {max(a.lo, b.lo), max(a.hi, b.hi)}; }
+  friend STANDOFF_INLINE Wide sqrt(Wide a) { return {sqrt(a.lo), sqrt(a.hi)}; }
+  friend STANDOFF_INLINE Mask less(Wide a, Wide b) { return {less(a.lo, b.lo), less(a.hi, b.hi)}; }
+  friend STANDOFF_INLINE Wide select(Mask m, Wide yes, Wide no) {
+    return {select(m.lo, yes.lo, no.lo), select(m.hi, yes.hi, no.hi)};
+  }
+};
+
+using WideFloat = Wide<float>;
+using WideDouble = Wide<double>;
+using Mask = WideFloat::Mask;
+using DoubleMask = WideDouble::Mask;
+
 STANDOFF_INLINE WideFloat abs(WideFloat a) {
   const __m256 sign = _mm256_set1_ps(-0.0f);
   return {_mm256_andnot_ps(sign, a.lo), _mm256_andnot_ps(sign, a.hi)};
 }
-STANDOFF_INLINE Mask less(WideFloat a, WideFloat b) {
-  return {_mm256_cmp_ps(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_LT_OQ)};
-}
+STANDOFF_INLINE WideDouble abs(WideDouble a) { return max(a, -a); }
 STANDOFF_INLINE Mask less_equal(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_LE_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_LE_OQ)};
 }
 STANDOFF_INLINE Mask equal(WideFloat a, WideFloat b) {
   return {_mm256_cmp_ps(a.lo, b.lo, _CMP_EQ_OQ), _mm256_cmp_ps(a.hi, b.hi, _CMP_EQ_OQ)};
-}
-STANDOFF_INLINE WideFloat select(Mask m, WideFloat yes, WideFloat no) {
-  return {_mm256_blendv_ps(no.lo, yes.lo, m.lo), _mm256_blendv_ps(no.hi, yes.hi, m.hi)};
 }
 STANDOFF_INLINE float reduce_max(WideFloat a) {
   __m256 m = _mm256_max_ps(a.lo, a.hi);
@@ -178,79 +209,6 @@ STANDOFF_INLINE int store_packed(float* p, Mask m, WideFloat a) {
 }
 
 // Eight doubles.
-
-struct DoubleMask {
-  __m256d lo, hi;
-  STANDOFF_INLINE std::uint32_t to_bits() const {
-    return static_cast<std::uint32_t>(_mm256_movemask_pd(lo) | (_mm256_movemask_pd(hi) << 4));
-  }
-  friend STANDOFF_INLINE DoubleMask operator&(DoubleMask a, DoubleMask b) {
-    return {_mm256_and_pd(a.lo, b.lo), _mm256_and_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE DoubleMask operator|(DoubleMask a, DoubleMask b) {
-    return {_mm256_or_pd(a.lo, b.lo), _mm256_or_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE DoubleMask operator^(DoubleMask a, DoubleMask b) {
-    return {_mm256_xor_pd(a.lo, b.lo), _mm256_xor_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE DoubleMask negated(DoubleMask a) {
-    const __m256d ones = _mm256_castsi256_pd(_mm256_set1_epi32(-1));
-    return {_mm256_xor_pd(a.lo, ones), _mm256_xor_pd(a.hi, ones)};
-  }
-};
-
-struct WideDouble {
-  static constexpr int kLanes = 8;
-  __m256d lo, hi;
-
-  WideDouble() = default;
-  STANDOFF_INLINE WideDouble(__m256d low, __m256d high) : lo(low), hi(high) {}
-  STANDOFF_INLINE explicit WideDouble(double value) : lo(_mm256_set1_pd(value)), hi(lo) {}
-
-  static STANDOFF_INLINE WideDouble load(const double* p) { return {_mm256_loadu_pd(p), _mm256_loadu_pd(p + 4)}; }
-  static STANDOFF_INLINE WideDouble load(const float* p) {
-    return {_mm256_cvtps_pd(_mm_loadu_ps(p)), _mm256_cvtps_pd(_mm_loadu_ps(p + 4))};
-  }
-  STANDOFF_INLINE void store(double* p) const {
-    _mm256_storeu_pd(p, lo);
-    _mm256_storeu_pd(p + 4, hi);
-  }
-
-  friend STANDOFF_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
-    return {_mm256_add_pd(a.lo, b.lo), _mm256_add_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
-    return {_mm256_sub_pd(a.lo, b.lo), _mm256_sub_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
-    return {_mm256_mul_pd(a.lo, b.lo), _mm256_mul_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
-    return {_mm256_div_pd(a.lo, b.lo), _mm256_div_pd(a.hi, b.hi)};
-  }
-  friend STANDOFF_INLINE WideDouble operator-(WideDouble a) {
-    const __m256d sign = _mm256_set1_pd(-0.0);
-    return {_mm256_xor_pd(a.lo, sign), _mm256_xor_pd(a.hi, sign)};
-  }
-};
-
-STANDOFF_INLINE WideDouble fma(WideDouble a, WideDouble b, WideDouble c) {
-  return {_mm256_fmadd_pd(a.lo, b.lo, c.lo), _mm256_fmadd_pd(a.hi, b.hi, c.hi)};
-}
-STANDOFF_INLINE WideDouble min(WideDouble a, WideDouble b) {
-  return {_mm256_min_pd(a.lo, b.lo), _mm256_min_pd(a.hi, b.hi)};
-}
-STANDOFF_INLINE WideDouble max(WideDouble a, WideDouble b) {
-  return {_mm256_max_pd(a.lo, b.lo), _mm256_max_pd(a.hi, b.hi)};
-}
-STANDOFF_INLINE WideDouble sqrt(WideDouble a) { return {_mm256_sqrt_pd(a.lo), _mm256_sqrt_pd(a.hi)}; }
-STANDOFF_INLINE WideDouble abs(WideDouble a) { return max(a, -a); }
-STANDOFF_INLINE DoubleMask less(WideDouble a, WideDouble b) {
-  return {_mm256_cmp_pd(a.lo, b.lo, _CMP_LT_OQ), _mm256_cmp_pd(a.hi, b.hi, _CMP_LT_OQ)};
-}
-STANDOFF_INLINE WideDouble select(DoubleMask m, WideDouble yes, WideDouble no) {
-  return {_mm256_blendv_pd(no.lo, yes.lo, m.lo), _mm256_blendv_pd(no.hi, yes.hi, m.hi)};
-}
 
 /// Stores (v * scale - center), and zero as the fourth number. v has three doubles, center four.
 STANDOFF_INLINE void store_local(double* out, const double* v, double scale, const double* center) {

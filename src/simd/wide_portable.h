@@ -4,17 +4,15 @@
 // library call.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "geometry/triple.h"
 
 namespace standoff::portable {
 
-using Floats = float __attribute__((vector_size(16)));
-using Ints = std::int32_t __attribute__((vector_size(16)));
 using Uints = std::uint32_t __attribute__((vector_size(16)));
-using LongUints = std::uint64_t __attribute__((vector_size(16)));
-constexpr int kParts = 4, kPartLanes = 4;
+constexpr int kParts = 4;
 
 /// T(f(0), ..., f(3)): one operation on all parts.
 template <class T, class Function>
@@ -25,107 +23,149 @@ STANDOFF_INLINE T by_parts(Function f) {
 }
 #define STANDOFF_LANES [&](int part) __attribute__((always_inline))
 
-struct Mask {
-  Ints v[kParts];  // all bits of a lane are set, or none
+/// All bits of a lane are set, or none.
+template <class Integer>
+struct WideMask {
+  using Part [[gnu::vector_size(16)]] = Integer;
+  static constexpr int kPartLanes = 16 / sizeof(Integer);
+  Part v[kParts];
 
+  static STANDOFF_INLINE WideMask from_bits(std::uint32_t bits) {
+    return by_parts<WideMask>(STANDOFF_LANES {
+      return ((static_cast<Integer>(bits >> (kPartLanes * part)) - Part{}) & lane_bits()) == lane_bits();
+    });
+  }
   STANDOFF_INLINE std::uint32_t to_bits() const {
-    const Ints bit{1, 2, 4, 8};
-    Ints set{};
-    for (int part = 0; part < kParts; ++part) set |= v[part] & (bit << (kPartLanes * part));
+    Part set{};
+    for (int part = 0; part < kParts; ++part) set |= v[part] & (lane_bits() << (kPartLanes * part));
+    using LongUints [[gnu::vector_size(16)]] = std::uint64_t;
     const auto halves = reinterpret_cast<LongUints>(set);  // extracting two numbers is faster than extracting four
     const std::uint64_t both = halves[0] | halves[1];
     return static_cast<std::uint32_t>(both | both >> 32);
   }
-  friend STANDOFF_INLINE Mask operator~(const Mask& a) {
-    return by_parts<Mask>(STANDOFF_LANES { return ~a.v[part]; });
+  friend STANDOFF_INLINE WideMask operator~(const WideMask& a) {
+    return by_parts<WideMask>(STANDOFF_LANES { return ~a.v[part]; });
   }
-  friend STANDOFF_INLINE Mask operator&(const Mask& a, const Mask& b) {
-    return by_parts<Mask>(STANDOFF_LANES { return a.v[part] & b.v[part]; });
+  friend STANDOFF_INLINE WideMask negated(const WideMask& a) { return ~a; }
+  friend STANDOFF_INLINE WideMask operator&(const WideMask& a, const WideMask& b) {
+    return by_parts<WideMask>(STANDOFF_LANES { return a.v[part] & b.v[part]; });
   }
-  friend STANDOFF_INLINE Mask operator|(const Mask& a, const Mask& b) {
-    return by_parts<Mask>(STANDOFF_LANES { return a.v[part] | b.v[part]; });
+  friend STANDOFF_INLINE WideMask operator|(const WideMask& a, const WideMask& b) {
+    return by_parts<WideMask>(STANDOFF_LANES { return a.v[part] | b.v[part]; });
+  }
+  friend STANDOFF_INLINE WideMask operator^(const WideMask& a, const WideMask& b) {
+    return by_parts<WideMask>(STANDOFF_LANES { return a.v[part] ^ b.v[part]; });
+  }
+
+ private:
+  // 1, 2, 4, ..
+  static STANDOFF_INLINE Part lane_bits() {
+    Part bits;
+    for (int lane = 0; lane < kPartLanes; ++lane) bits[lane] = Integer{1} << lane;
+    return bits;
   }
 };
 
-struct WideFloat {
-  static constexpr int kLanes = 16;
-  Floats v[kParts];
-
-  WideFloat() = default;
-  STANDOFF_INLINE WideFloat(float value) {
-    for (Floats& part : v) part = Floats{value, value, value, value};
-  }
-  STANDOFF_INLINE explicit WideFloat(int value) : WideFloat(static_cast<float>(value)) {}
-
-  static STANDOFF_INLINE WideFloat load(const float* p) {
-    WideFloat result;
-    __builtin_memcpy(result.v, p, sizeof result.v);
-    return result;
-  }
-  STANDOFF_INLINE void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
-
-  friend STANDOFF_INLINE WideFloat operator+(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] + b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideFloat operator-(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] - b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideFloat operator*(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] * b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideFloat operator/(const WideFloat& a, const WideFloat& b) {
-    return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] / b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideFloat operator-(const WideFloat& a) {
-    return by_parts<WideFloat>(STANDOFF_LANES { return -a.v[part]; });
-  }
-};
-
-/// to[i] = fma(to[i], b[i], c[i]). If this takes sixteen calls it is not inlined, or the kernels would be mostly calls.
+/// to[i] = fma(to[i], b[i], c[i]). If this takes a call for each it is not inlined, or the kernels would be mostly
+/// calls.
+template <class Number>
 #ifdef __FP_FAST_FMAF
 STANDOFF_INLINE
 #else
 [[gnu::noinline]] static
 #endif
-void fma_lanes(float* to, const float* b, const float* c) {
-  for (int i = 0; i < kParts * kPartLanes; ++i) to[i] = standoff::fma(to[i], b[i], c[i]);
+    void
+    fma_lanes(Number* to, const Number* b, const Number* c) {
+  for (std::size_t i = 0; i < 64 / sizeof(Number); ++i) to[i] = standoff::fma(to[i], b[i], c[i]);
 }
 
-STANDOFF_INLINE WideFloat fma(const WideFloat& a, const WideFloat& b, const WideFloat& c) {
-  float to[16], by[16], plus[16];
-  a.store(to);
-  b.store(by);
-  c.store(plus);
-  fma_lanes(to, by, plus);
-  return WideFloat::load(to);
-}
-STANDOFF_INLINE WideFloat min(const WideFloat& a, const WideFloat& b) {
-  return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
-}
-STANDOFF_INLINE WideFloat max(const WideFloat& a, const WideFloat& b) {
-  return by_parts<WideFloat>(STANDOFF_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
-}
-STANDOFF_INLINE WideFloat sqrt(const WideFloat& a) {
+template <class Number, class Integer>
+struct Wide {
+  using Part [[gnu::vector_size(16)]] = Number;
+  using Mask = WideMask<Integer>;
+  static constexpr int kPartLanes = Mask::kPartLanes, kLanes = kParts * kPartLanes;
+  static constexpr bool kIsFloat = sizeof(Number) == sizeof(float);
+  Part v[kParts];
+
+  Wide() = default;
+  STANDOFF_INLINE explicit(!kIsFloat) Wide(Number value) {
+    for (Part& part : v) part = value - Part{};
+  }
+  STANDOFF_INLINE explicit Wide(int value) : Wide(static_cast<Number>(value)) {}
+
+  static STANDOFF_INLINE Wide load(const Number* p) {
+    Wide result;
+    __builtin_memcpy(result.v, p, sizeof result.v);
+    return result;
+  }
+  static STANDOFF_INLINE Wide load(const float* p) requires(!kIsFloat) {
+    return by_parts<Wide>(STANDOFF_LANES { return Part{p[kPartLanes * part], p[kPartLanes * part + 1]}; });
+  }
+  STANDOFF_INLINE void store(Number* p) const { __builtin_memcpy(p, v, sizeof v); }
+
+  friend STANDOFF_INLINE Wide operator+(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] + b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide operator-(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] - b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide operator*(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] * b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide operator/(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] / b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide operator-(const Wide& a) {
+    return by_parts<Wide>(STANDOFF_LANES { return -a.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide fma(const Wide& a, const Wide& b, const Wide& c) {
+    if constexpr (!kIsFloat)
+      return by_parts<Wide>(STANDOFF_LANES {
+        return Part{standoff::fma(a.v[part][0], b.v[part][0], c.v[part][0]),
+                    standoff::fma(a.v[part][1], b.v[part][1], c.v[part][1])};
+      });
+    Number to[kLanes], by[kLanes], plus[kLanes];
+    a.store(to), b.store(by), c.store(plus);
+    fma_lanes(to, by, plus);
+    return load(to);
+  }
+  friend STANDOFF_INLINE Wide min(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide max(const Wide& a, const Wide& b) {
+    return by_parts<Wide>(STANDOFF_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide sqrt(const Wide& a) {
+    return by_parts<Wide>(STANDOFF_LANES {
+      Part roots;
+      for (int lane = 0; lane < kPartLanes; ++lane) roots[lane] = standoff::sqrt(a.v[part][lane]);
+      return roots;
+    });
+  }
+  friend STANDOFF_INLINE Mask less(const Wide& a, const Wide& b) {
+    return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
+  }
+  friend STANDOFF_INLINE Wide select(const Mask& m, const Wide& yes, const Wide& no) {
+    return by_parts<Wide>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
+  }
+};
+
+using WideFloat = Wide<float, std::int32_t>;
+using WideDouble = Wide<double, std::int64_t>;
+using Mask = WideFloat::Mask;
+using DoubleMask = WideDouble::Mask;
+
+STANDOFF_INLINE WideFloat abs(const WideFloat& a) {
   return by_parts<WideFloat>(STANDOFF_LANES {
-    const Floats x = a.v[part];
-    return Floats{standoff::sqrt(x[0]), standoff::sqrt(x[1]), standoff::sqrt(x[2]), standoff::sqrt(x[3])};
+    return reinterpret_cast<WideFloat::Part>(reinterpret_cast<Mask::Part>(a.v[part]) & 0x7fffffff);
   });
 }
-STANDOFF_INLINE WideFloat abs(const WideFloat& a) {
-  return by_parts<WideFloat>(
-      STANDOFF_LANES { return reinterpret_cast<Floats>(reinterpret_cast<Ints>(a.v[part]) & 0x7fffffff); });
-}
-STANDOFF_INLINE Mask less(const WideFloat& a, const WideFloat& b) {
-  return by_parts<Mask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
-}
+STANDOFF_INLINE WideDouble abs(const WideDouble& a) { return max(a, -a); }
 STANDOFF_INLINE Mask less_equal(const WideFloat& a, const WideFloat& b) {
   return by_parts<Mask>(STANDOFF_LANES { return a.v[part] <= b.v[part]; });
 }
 STANDOFF_INLINE Mask equal(const WideFloat& a, const WideFloat& b) {
   return by_parts<Mask>(STANDOFF_LANES { return a.v[part] == b.v[part]; });
-}
-STANDOFF_INLINE WideFloat select(const Mask& m, const WideFloat& yes, const WideFloat& no) {
-  return by_parts<WideFloat>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
 }
 STANDOFF_INLINE float reduce_max(const WideFloat& a) {
   float lanes[16];
@@ -166,7 +206,7 @@ STANDOFF_INLINE WideUint operator+(const WideUint& a, const WideUint& b) {
 /// The numbers 0 to 15.
 STANDOFF_INLINE WideUint lane_numbers() {
   WideUint numbers;
-  for (std::uint32_t part = 0; part < kParts; ++part) numbers.v[part] = Uints{0, 1, 2, 3} + part * kPartLanes;
+  for (std::uint32_t part = 0; part < kParts; ++part) numbers.v[part] = Uints{0, 1, 2, 3} + part * Mask::kPartLanes;
   return numbers;
 }
 STANDOFF_INLINE Mask less(const WideUint& a, const WideUint& b) {
@@ -210,116 +250,9 @@ STANDOFF_INLINE WideFloat load_column(const float (*rows)[4], int axis) {
   return WideFloat::load(column);
 }
 
-STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) {
-  Mask m;
-  for (int part = 0; part < kParts; ++part) {
-    const auto four = static_cast<std::int32_t>(bits >> (kPartLanes * part));
-    const Ints bit{1, 2, 4, 8};
-    m.v[part] = (Ints{four, four, four, four} & bit) == bit;
-  }
-  return m;
-}
+STANDOFF_INLINE Mask mask_from_bits(std::uint32_t bits) { return Mask::from_bits(bits); }
 
 // Eight doubles.
-
-using Doubles = double __attribute__((vector_size(16)));
-using LongInts = std::int64_t __attribute__((vector_size(16)));
-constexpr int kDoubleParts = 4, kDoublePartLanes = 2;
-
-/// T(f(0), ..., f(3)): one operation on all parts.
-template <class T, class Function>
-STANDOFF_INLINE T by_double_parts(Function f) {
-  T result;
-  for (int part = 0; part < kDoubleParts; ++part) result.v[part] = f(part);
-  return result;
-}
-
-struct DoubleMask {
-  LongInts v[kDoubleParts];  // all bits of a lane are set, or none
-
-  STANDOFF_INLINE std::uint32_t to_bits() const {
-    const LongInts bit{1, 2};
-    LongInts set{};
-    for (int part = 0; part < kDoubleParts; ++part) set |= v[part] & (bit << (kDoublePartLanes * part));
-    return static_cast<std::uint32_t>(set[0] | set[1]);
-  }
-  friend STANDOFF_INLINE DoubleMask operator&(const DoubleMask& a, const DoubleMask& b) {
-    return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] & b.v[part]; });
-  }
-  friend STANDOFF_INLINE DoubleMask operator|(const DoubleMask& a, const DoubleMask& b) {
-    return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] | b.v[part]; });
-  }
-  friend STANDOFF_INLINE DoubleMask operator^(const DoubleMask& a, const DoubleMask& b) {
-    return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] ^ b.v[part]; });
-  }
-  friend STANDOFF_INLINE DoubleMask negated(const DoubleMask& a) {
-    return by_double_parts<DoubleMask>(STANDOFF_LANES { return ~a.v[part]; });
-  }
-};
-
-struct WideDouble {
-  static constexpr int kLanes = 8;
-  Doubles v[kDoubleParts];
-
-  WideDouble() = default;
-  STANDOFF_INLINE explicit WideDouble(double value) {
-    for (Doubles& part : v) part = Doubles{value, value};
-  }
-
-  static STANDOFF_INLINE WideDouble load(const double* p) {
-    WideDouble result;
-    __builtin_memcpy(result.v, p, sizeof result.v);
-    return result;
-  }
-  static STANDOFF_INLINE WideDouble load(const float* p) {
-    return by_double_parts<WideDouble>([&](int part) __attribute__((always_inline)) {
-      return Doubles{p[kDoublePartLanes * part], p[kDoublePartLanes * part + 1]};
-    });
-  }
-  STANDOFF_INLINE void store(double* p) const { __builtin_memcpy(p, v, sizeof v); }
-
-  friend STANDOFF_INLINE WideDouble operator+(const WideDouble& a, const WideDouble& b) {
-    return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] + b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideDouble operator-(const WideDouble& a, const WideDouble& b) {
-    return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] - b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideDouble operator*(const WideDouble& a, const WideDouble& b) {
-    return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] * b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideDouble operator/(const WideDouble& a, const WideDouble& b) {
-    return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] / b.v[part]; });
-  }
-  friend STANDOFF_INLINE WideDouble operator-(const WideDouble& a) {
-    return by_double_parts<WideDouble>(STANDOFF_LANES { return -a.v[part]; });
-  }
-};
-
-STANDOFF_INLINE WideDouble fma(const WideDouble& a, const WideDouble& b, const WideDouble& c) {
-  return by_double_parts<WideDouble>(STANDOFF_LANES {
-    return Doubles{standoff::fma(a.v[part][0], b.v[part][0], c.v[part][0]),
-                   standoff::fma(a.v[part][1], b.v[part][1], c.v[part][1])};
-  });
-}
-STANDOFF_INLINE WideDouble min(const WideDouble& a, const WideDouble& b) {
-  return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] < b.v[part] ? a.v[part] : b.v[part]; });
-}
-STANDOFF_INLINE WideDouble max(const WideDouble& a, const WideDouble& b) {
-  return by_double_parts<WideDouble>(STANDOFF_LANES { return a.v[part] > b.v[part] ? a.v[part] : b.v[part]; });
-}
-STANDOFF_INLINE WideDouble sqrt(const WideDouble& a) {
-  return by_double_parts<WideDouble>(STANDOFF_LANES {
-    return Doubles{standoff::sqrt(a.v[part][0]), standoff::sqrt(a.v[part][1])};
-  });
-}
-STANDOFF_INLINE WideDouble abs(const WideDouble& a) { return max(a, -a); }
-STANDOFF_INLINE DoubleMask less(const WideDouble& a, const WideDouble& b) {
-  return by_double_parts<DoubleMask>(STANDOFF_LANES { return a.v[part] < b.v[part]; });
-}
-STANDOFF_INLINE WideDouble select(const DoubleMask& m, const WideDouble& yes, const WideDouble& no) {
-  return by_double_parts<WideDouble>(STANDOFF_LANES { return m.v[part] ? yes.v[part] : no.v[part]; });
-}
-#undef STANDOFF_LANES
 
 /// Stores (v * scale - center), and zero as the fourth number. v has three doubles, center four.
 STANDOFF_INLINE void store_local(double* out, const double* v, double scale, const double* center) {
@@ -343,15 +276,7 @@ STANDOFF_INLINE WideDouble look_up(const double (&table)[8], const std::uint32_t
 }
 
 /// A mask of the lanes whose bit is set.
-STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) {
-  DoubleMask m;
-  for (int part = 0; part < kDoubleParts; ++part) {
-    const std::int64_t two = bits >> (kDoublePartLanes * part);
-    const LongInts bit{1, 2};
-    m.v[part] = (LongInts{two, two} & bit) == bit;
-  }
-  return m;
-}
+STANDOFF_INLINE DoubleMask double_mask_from_bits(std::uint32_t bits) { return DoubleMask::from_bits(bits); }
 
 /// Stores the lanes rounded towards zero. Requires values within the range of int.
 STANDOFF_INLINE void store_truncated(int* p, const WideDouble& a) {
@@ -372,5 +297,7 @@ STANDOFF_INLINE void store_rounded_pairs(float (*out)[2], const WideDouble& a, c
   store_rounded(second, b);
   for (int n = 0; n < WideDouble::kLanes; ++n) out[n][0] = first[n], out[n][1] = second[n];
 }
+
+#undef STANDOFF_LANES
 
 }  // namespace standoff::portable

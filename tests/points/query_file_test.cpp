@@ -10,6 +10,7 @@
 
 #include "files/atomic_file.h"
 #include "scenes/scenes.h"
+#include "sign/decision.h"
 #include "standoff/error.h"
 #include "tests/support/temp_folder.h"
 
@@ -129,17 +130,19 @@ TEST(QueryFile, DamageIsFound) {
   }
   expect_refused(with(good, 0, 'x'), "this is no query that standoff saved");
   expect_refused(with(good, 8, 7u), "header: version 7 is not known");
-  expect_refused(with(good, 12, std::uint8_t{4}), "its sign is none that is known");  // flood
-  expect_refused(with(good, 13, std::uint8_t{3}), "its sign is none that is known");
-  expect_refused(with(good, 12, std::uint8_t{5}), "the thickness of its shell");
-  expect_refused(with(good, 32, std::int64_t{-1}), "a count is negative");
-  expect_refused(with(good, 72, ~std::uint64_t{}), "the file ends too early");
-  expect_refused(with(good, 88, std::uint64_t{3}), "more or fewer orientations than triangles");
-  expect_refused(with(good, 112, std::numeric_limits<double>::quiet_NaN()), "mesh: ");
-  expect_refused(with(good, 112, 1e200), "mesh: it reaches beyond what is allowed");
-  const std::size_t triangles = 112 + 16 * sizeof(Vec3), exposed = triangles + 24 * sizeof(Triangle);
-  expect_refused(with(good, triangles, 16u), "mesh: ");
-  expect_refused(with(good, exposed, 24u), "exposed triangles: ");
+  expect_refused(with(good, 16, ~std::uint64_t{}), "the file ends too early");
+  expect_refused(with(good, 40, std::numeric_limits<double>::quiet_NaN()), "not finite");
+  expect_refused(with(good, 40, 1e200), "it reaches beyond what is allowed");
+  const std::size_t triangles = 40 + 16 * sizeof(Vec3), decision = triangles + 24 * sizeof(Triangle);
+  expect_refused(with(good, triangles, 16u), "triangle 0");
+  const std::size_t sign = decision + kSealBytes + 16;  // behind the hash and the number of triangles
+  expect_refused(with(good, sign, std::uint8_t{99}), "a name is unknown");
+  for (const int at : {0, 12})  // the method asked for, and the one found
+    EXPECT_EQ(good[sign + static_cast<std::size_t>(at)], static_cast<char>(SignMethod::winding));
+  const std::string flooded = with(with(good, sign, SignMethod::flood), sign + 12, SignMethod::flood);
+  expect_refused(flooded, "none for points");
+  expect_refused(with(good, sign + 4, 0.5), "shell");
+  expect_refused(with(good, sign + 14, std::int64_t{-1}), "a count is negative");
 }
 
 // Any other change gives an error, or a query that answers.
@@ -151,7 +154,7 @@ TEST(QueryFile, OtherBytesDoNoHarm) {
     for (int n = 0; n < 100; ++n) {
       std::string changed = good;
       for (int k = 0; k < 4; ++k)
-        changed[random() % (k < 2 ? 112 : changed.size())] = static_cast<char>(random() % 5 - 2);
+        changed[random() % (k < 2 ? 40 : changed.size())] = static_cast<char>(random() % 5 - 2);
       changed.replace(0, 12, good, 0, 12);
       try {
         bits_of(read(changed, ArrayChecksum::ignored));

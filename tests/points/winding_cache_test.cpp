@@ -7,6 +7,7 @@
 
 #include "points/point_sign.h"
 #include "points/triangle_index.h"
+#include "simd/dispatch.h"
 #include "standoff/points.h"
 #include "tests/sign/shapes.h"
 
@@ -42,7 +43,7 @@ std::vector<Vec3> points_around(unsigned seed) {
   return points;
 }
 
-const cpu::PointKernels& kernels() { return cpu::point_kernels_for(Simd::automatic); }
+const cpu::PointKernels& kernels() { return dispatch_of<cpu::PointKernels>().best(); }
 
 TEST(WindingCache, ByRows) {
   for (const auto& [name, mesh] : cases()) {

@@ -12,6 +12,7 @@
 #include "sign/diagnosis/mesh_edges.h"
 #include "sign/open_winding/caps.h"
 #include "sign/rows/row_crossings.h"
+#include "simd/dispatch.h"
 #include "tests/sign/shapes.h"
 
 namespace standoff {
@@ -370,7 +371,9 @@ TEST(QuickAngles, AreTheSameForAllInstructionSets) {
       std::ranges::fill(sums.im, 0.0f);
       std::ranges::fill(sums.around, 0.0f);
       cpu::AngleChunk chunk;
-      cpu::sign_kernels_for(simd).add_solid_angles(triangles, 3, 50 + n % 11, p, 0.02f, sums, chunk);
+      dispatch_of<cpu::SignKernels>()
+          .of(simd, "sign")
+          .add_solid_angles(triangles, 3, 50 + n % 11, p, 0.02f, sums, chunk);
       std::vector<float> all(sums.re, sums.re + 16);
       all.insert(all.end(), sums.im, sums.im + 16);
       all.insert(all.end(), sums.around, sums.around + 16);

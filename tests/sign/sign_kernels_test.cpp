@@ -17,7 +17,7 @@ namespace {
 template <class Use>
 void for_each_set(const Use& use) {
   for (const Simd simd : {Simd::avx512, Simd::avx2, Simd::portable})
-    if (processor_has(simd)) use(cpu::sign_kernels_for(simd), static_cast<int>(simd));
+    if (processor_has(simd)) use(dispatch_of<cpu::SignKernels>().of(simd, "sign"), static_cast<int>(simd));
 }
 
 // Steps in some tiles, of which some rows come back to 0 and some do not.

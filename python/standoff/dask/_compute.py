@@ -68,20 +68,8 @@ def compute(
     Raises:
         ValueError, TypeError, MeshError: as `standoff.field`; also a window that is no multiple of 16.
     """
-    job = Job.of(
-        mesh,
-        window,
-        sign,
-        method,
-        threads,
-        grid=grid,
-        resolution=resolution,
-        spacing=spacing,
-        shape=shape,
-        padding=padding,
-        band=band,
-        thickness=thickness,
-    )
+    sizes = grid, resolution, spacing, shape, padding, band, thickness
+    job = Job.of(mesh, window, sign, method, threads, sizes)
     chunks = tuple(tuple(min(side, n - at) for at in range(0, n, side)) for n, side in zip(job.grid.shape, job.window))
     array: dask.array.Array = dask.array.map_blocks(  # type: ignore[no-untyped-call]
         _block,

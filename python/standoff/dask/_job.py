@@ -43,13 +43,17 @@ class Job:
 
     @classmethod
     def of(
-        cls, mesh: Any, window: int | Sequence[int], sign: Any, method: str, threads: int | None, **sizes: Any
+        cls,
+        mesh: Any,
+        window: int | Sequence[int],
+        sign: Any,
+        method: str,
+        threads: int | None,
+        sizes: Sequence[Any],
     ) -> Job:
+        """`sizes`: what `grid_of` takes after the bounds."""
         found: Mesh = as_mesh(mesh)
-        order = ("grid", "resolution", "spacing", "shape", "padding", "band", "thickness")
-        grid, thickness = grid_of(lambda: found.bounds, *(sizes.pop(name, None) for name in order))
-        if sizes:
-            raise TypeError(f"there is no argument {', '.join(sizes)}; the sizes are {', '.join(order)}")
+        grid, thickness = grid_of(lambda: found.bounds, *sizes)
         side = sides(window, "window")
         if any(n < 1 or n % 16 for n in side):
             raise ValueError(f"window: must be multiples of 16 samples, not {side}: windows begin and end at bricks")

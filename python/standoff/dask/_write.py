@@ -102,16 +102,8 @@ def write(
             f"block: must be multiples of the shard, not {blocks} where that is {shards}: two tasks that write parts of "
             "one shard would lose one of both without a word"
         )
-    sizes = {
-        "grid": grid,
-        "resolution": resolution,
-        "spacing": spacing,
-        "shape": shape,
-        "padding": padding,
-        "band": band,
-        "thickness": thickness,
-    }
-    job = Job.of(mesh, blocks, sign, method, threads, **sizes)
+    sizes = grid, resolution, spacing, shape, padding, band, thickness
+    job = Job.of(mesh, blocks, sign, method, threads, sizes)
     count_of_levels = level_count(levels, job.grid.shape)
     target = Target(url, storage_options)
     here = windows_of(job)
@@ -162,27 +154,18 @@ def _make(
 
 def _expect_same(target: Target, here: FieldWindows, job: Job, shard: Triple, chunk: Triple) -> None:
     store, made = target.open(), here._windows.provenance
-    mine = {
-        "grid": (job.grid.shape, job.grid.origin, job.grid.spacing),
-        "thickness": job.thickness,
-        "mesh": made.mesh_hash,
-        "sign": made.sign,
-        "method": made.method,
-        "version": made.version,
-        "shard": shard,
-        "chunk": chunk,
+    theirs, grid = store.provenance, (tuple(store.shape), tuple(store.origin), tuple(store.spacing))
+    same = {
+        "grid": (job.grid.shape, job.grid.origin, job.grid.spacing) == grid,
+        "thickness": job.thickness == store.thickness,
+        "mesh": made.mesh_hash == theirs.mesh_hash,
+        "sign": made.sign == theirs.sign,
+        "method": made.method == theirs.method,
+        "version": made.version == theirs.version,
+        "shard": shard == tuple(store.shard),
+        "chunk": chunk == tuple(store.chunk),
     }
-    theirs = {
-        "grid": (tuple(store.shape), tuple(store.origin), tuple(store.spacing)),
-        "thickness": store.thickness,
-        "mesh": store.provenance.mesh_hash,
-        "sign": store.provenance.sign,
-        "method": store.provenance.method,
-        "version": store.provenance.version,
-        "shard": tuple(store.shard),
-        "chunk": tuple(store.chunk),
-    }
-    other = [name for name, value in mine.items() if theirs[name] != value]
+    other = [name for name, is_same in same.items() if not is_same]
     if other:
         raise UsageError(
             f"{target.url}: the store is another field's ({', '.join(other)}); overwrite it, or name another"

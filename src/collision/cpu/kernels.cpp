@@ -6,17 +6,8 @@
 
 namespace standoff::collision {
 
-namespace {
-
-const Dispatch<Kernels>& dispatch() {
-  static const Dispatch<Kernels> kernels;
-  return kernels;
-}
-
-}  // namespace
-
-const Kernels& kernels_for(Simd simd, const char* where) { return dispatch().of(simd, where); }
-const Kernels& best_kernels() { return dispatch().best(); }
-std::span<const Kernels* const> all_kernels() { return dispatch().all(); }
+const Kernels& kernels_for(Simd simd, const char* where) { return dispatch_of<Kernels>().of(simd, where); }
+const Kernels& best_kernels() { return dispatch_of<Kernels>().best(); }
+std::span<const Kernels* const> all_kernels() { return dispatch_of<Kernels>().all(); }
 
 }  // namespace standoff::collision

@@ -29,8 +29,4 @@ struct PointKernels {
   static const PointKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} if the processor lacks the
-/// set.
-const PointKernels& point_kernels_for(Simd simd);
-
 }  // namespace standoff::cpu

@@ -49,8 +49,4 @@ struct SidecarKernels {
   static const SidecarKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best set for Simd::automatic. Throws Error{usage} if the processor lacks the
-/// set.
-const SidecarKernels& sidecar_kernels_for(Simd simd);
-
 }  // namespace standoff::cpu

@@ -135,8 +135,4 @@ struct SignKernels {
   static const SignKernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };
 
-/// The kernels for an instruction set; the best one there is for Simd::automatic. Throws Error{usage} where the
-/// processor does not have the set.
-const SignKernels& sign_kernels_for(Simd simd);
-
 }  // namespace standoff::cpu

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/open_winding/cap_tree.h"
+#include "simd/dispatch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -221,7 +222,7 @@ struct QuickAngles::Sum {
 };
 
 QuickAngles::QuickAngles(const Rims& rims, const RimTree& tree, ProgressMeter& progress)
-    : rims_(rims), tree_(tree), kernels_(cpu::sign_kernels_for(Simd::automatic)) {
+    : rims_(rims), tree_(tree), kernels_(dispatch_of<cpu::SignKernels>().best()) {
   Box box;
   std::size_t triangles = 0;
   for (std::size_t n = 0; n < rims.size(); ++n) {

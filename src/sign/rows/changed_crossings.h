@@ -65,7 +65,7 @@ class KeptCrossings final : public SampleSigns {
   void follow(const ChangedCrossings& changed);
 
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override {
-    fill_between(of_tiles_[static_cast<std::size_t>(ty + tiles_y_ * tz)], rule_, rows);
+    rows.fill_between(of_tiles_[static_cast<std::size_t>(ty + tiles_y_ * tz)], rule_);
   }
 
  private:

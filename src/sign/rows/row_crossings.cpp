@@ -207,40 +207,4 @@ std::int64_t RowCrossings::other_bytes(std::int64_t triangles, const Grid& grid,
   return 8 * ((parts + 1) * (rows_of_tiles + 1) + row_by_row);
 }
 
-namespace {
-
-// For the crossings of one row, whose winding numbers may need more than a byte.
-void fill_row(std::span<const RowCrossing> crossings, int row, WindingRule rule, InsideRows& rows) {
-  const std::int64_t first = kTileSide * rows.tiles_begin(), end = rows.size().x;
-  std::vector<std::int32_t> steps(static_cast<std::size_t>(end - first));
-  for (const RowCrossing& crossing : crossings)
-    if (crossing.past() < end)
-      steps[static_cast<std::size_t>(std::max(crossing.past(), first) - first)] += crossing.step();
-  std::int32_t winding = 0;
-  std::int64_t begin = first;  // of the samples with this winding number
-  for (std::int64_t i = first; i < end; ++i) {
-    const std::int32_t step = steps[static_cast<std::size_t>(i - first)];
-    if (step == 0) continue;
-    if (is_inside(winding, rule)) rows.set(row, begin, i);
-    winding += step;
-    begin = i;
-  }
-  if (is_inside(winding, rule)) rows.set(row, begin, end);
-}
-
-}  // namespace
-
-void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows) {
-  if (rows.mark_between(crossings, rule)) return;
-  std::vector<RowCrossing> by_row(crossings.begin(), crossings.end());
-  std::ranges::sort(by_row, {}, &RowCrossing::row);
-  for (std::size_t first = 0; first < by_row.size();) {
-    const int row = by_row[first].row();
-    std::size_t end = first;
-    while (end < by_row.size() && by_row[end].row() == row) ++end;
-    fill_row(std::span(by_row).subspan(first, end - first), row, rule, rows);
-    first = end;
-  }
-}
-
 }  // namespace standoff

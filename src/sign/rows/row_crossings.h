@@ -89,9 +89,6 @@ class RowCrossings {
   std::vector<RowCrossing> crossings_;
 };
 
-/// Marks the samples inside of the 64 rows of some tiles by their crossings, in any order, of a closed mesh.
-void fill_between(std::span<const RowCrossing> crossings, WindingRule rule, InsideRows& rows);
-
 /// The signs in a closed mesh: its winding number is an integer, the sum of the crossings of a row.
 class IntegerWinding final : public SampleSigns {
  public:
@@ -104,7 +101,7 @@ class IntegerWinding final : public SampleSigns {
 
   std::int64_t load(std::int64_t first) override { return crossings_.load(first); }
   void fill(InsideRows& rows, std::int64_t ty, std::int64_t tz) const override {
-    fill_between(crossings_.of_tiles(ty, tz), rule_, rows);
+    rows.fill_between(crossings_.of_tiles(ty, tz), rule_);
   }
 
  private:

@@ -9,6 +9,7 @@
 #include "core/tile_count.h"
 #include "sign/rows/ray_crossing.h"
 #include "sign/signs.h"
+#include "simd/dispatch.h"
 
 namespace standoff {
 namespace {
@@ -119,7 +120,7 @@ RowScan::RowScan(const OrientedMesh& mesh, const Grid& grid, Simd simd)
       x_(axis_of(grid, 0)),
       y_(axis_of(grid, 1)),
       z_(axis_of(grid, 2)),
-      kernels_(&cpu::sign_kernels_for(simd)) {
+      kernels_(&dispatch_of<cpu::SignKernels>().of(simd, "sign")) {
   // Three operations turn a corner into samples, and each adds an error of 2^-53 times at most size + kMost. Two
   // roundings move a sample off its place, by 2^-53 times at most size and size + |origin| / spacing.
   const auto slack = [](const GridAxis& axis) {
