@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """standoff beside its peers: same job, same run, alternating processes."""
 
-from harness import chosen, machine_lines, markdown, median, results_folder, seconds, write_csv
+from harness import ENOUGH, chosen, machine_lines, markdown, median, results_folder, seconds, write_csv
 
 MEGABYTE = 1 << 20
 # What runs.csv keeps of a driver's line.
@@ -21,7 +21,8 @@ def run_contest(drivers, contest, with_peers, rounds):
     for number in range(rounds or contest.get("rounds", 5)):
         for against in contest["against"]:
             output, peer = against["output"], against["peer"]
-            lines.setdefault(("standoff", output), []).append(drivers.run("standoff", contest["args"], 5, output=output))
+            ours = drivers.run("standoff", contest["args"], 5, output=output, enough=ENOUGH)
+            lines.setdefault(("standoff", output), []).append(ours)
             if with_peers and drivers.has(peer):
                 check = {"check": True} if number == 0 else {}
                 line = drivers.run(peer, contest["args"], contest.get("peer_repeats", 3), **check)

@@ -2,9 +2,7 @@
 """Fields beside their floor: what one core of this machine needs at least to read the mesh once, to measure each sample that gets
 a distance once, and to write the field once. Writes limits.csv, which docs/limits.md quotes."""
 
-from harness import chosen, header_of, results_folder, tell, write_csv
-
-ENOUGH = 20  # seconds: a field that takes minutes is timed once
+from harness import ENOUGH, chosen, header_of, results_folder, tell, write_csv
 
 
 def row(job, rates, line):
