@@ -12,11 +12,13 @@ namespace standoff::cli {
 const char* completion_script(Shell shell) {
   constexpr const char* kBash = R"(_standoff() {
   local cur=${COMP_WORDS[COMP_CWORD]} name lower
+  local program=${COMP_WORDS[0]/#~\//$HOME/}
   local -a told
   if [[ $cur == = ]]; then cur=; fi
-  mapfile -t told < <("${COMP_WORDS[0]/#~\//$HOME/}" completion bash -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
+  type -P -- "$program" >/dev/null || program=standoff
+  mapfile -t told < <("$program" completion bash -- "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
   COMPREPLY=()
-  case ${told[0]} in
+  case ${told[0]-} in
     words) mapfile -t COMPREPLY < <(compgen -W "${told[*]:1}" -- "$cur") ;;
     folders)
       compopt -o filenames 2>/dev/null
@@ -37,7 +39,7 @@ complete -F _standoff standoff
 _standoff() {
   local -a told
   told=("${(@f)$(${(Q)~words[1]} completion zsh -- "${(@)words[2,CURRENT]}" 2>/dev/null)}")
-  compset -P '--*='
+  compset -P 1 '--*='
   case $told[1] in
     words) shift told; _describe -t words word told ;;
     folders) _files -/ ;;
@@ -50,7 +52,9 @@ if [[ $funcstack[1] == _standoff ]]; then _standoff "$@"; else compdef _standoff
   constexpr const char* kFish = R"(function __standoff_complete
     set -l words (commandline -opc)
     set -l word (commandline -ct)
-    set -l told ($words[1] completion fish -- $words[2..-1] "$word" 2>/dev/null)
+    set -l program (string replace -r '^~(?=/)' $HOME -- $words[1])
+    type -q $program; or return
+    set -l told ($program completion fish -- $words[2..-1] "$word" 2>/dev/null)
     set -l name (string match -r -- '^--[^=]*=' "$word")
     set -l end '.*'
     switch "$told[1]"
@@ -92,10 +96,17 @@ std::string answer(Shell shell, const ManualValue& value) {
   return value.files ? text + "\n" : text;
 }
 
-// The words, but two for --name=value, which some shells part in three.
-std::vector<std::string> parted(const std::vector<std::string>& words) {
+// The words, but two for --name=value, which some shells part in three, and one for a:b, which bash parts in three.
+std::vector<std::string> parted(const std::vector<std::string>& words, Shell shell) {
   std::vector<std::string> all;
+  bool follows_colon = false;
   for (const std::string& word : words) {
+    const bool is_colon = shell == Shell::bash && word == ":" && !all.empty();
+    if (is_colon || follows_colon) {
+      all.back() += word;
+      follows_colon = is_colon;
+      continue;
+    }
     const std::size_t equals = word.starts_with("--") ? word.find('=') : word.npos;
     if (word != "=") all.push_back(word.substr(0, equals));
     if (equals != word.npos) all.push_back(word.substr(equals + 1));
@@ -107,7 +118,7 @@ std::vector<std::string> parted(const std::vector<std::string>& words) {
 }  // namespace
 
 std::string completions(const std::vector<ManualPage>& pages, Shell shell, const std::vector<std::string>& given) {
-  const std::vector<std::string> words = parted(given);
+  const std::vector<std::string> words = parted(given, shell);
   const ManualPage* page = &pages.front();
   const ManualValue* value = nullptr;  // of the option before
   bool only_arguments = false;

@@ -87,6 +87,10 @@ class Sink {
   bool with_nearest_ = false;
 };
 
+/// The share of the work after which a backend that decides the sign has done its own: the rest is planning the sign,
+/// if that is left to the host.
+inline constexpr double kDistancesDoneBeforeSign = 0.9;
+
 /// The input of a backend. The mesh is valid and holds at least one triangle.
 struct Job {
   MeshView mesh;

@@ -65,8 +65,9 @@ Job Computation::job() {
 
 bool Computation::is_signed_after(const Counts& counts) {
   const bool all = counts.samples_signed == plan_.grid.sample_count();
-  if (plan_.sign_by_backend)
-    sign_plan_ = all ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
+  if (!plan_.sign_by_backend) return all;
+  if (!all) progress_.stage("preparing the mesh", 1, kDistancesDoneBeforeSign, 1);
+  sign_plan_ = all ? plan_of_closed(SignMethod::winding) : plan_sign(mesh_, options_.sign, progress_);
   return all;
 }
 
@@ -147,7 +148,6 @@ class DenseOutput {
 
 template <class Output>
 void decide_sign(Computation& computation, const ComputeOptions& options, Output& output) {
-  if (computation.sign_method() == SignMethod::none) return;
   if (computation.sign_method() == SignMethod::shell)
     return output.thicken(Shell(options.sign, computation.plan().field_thickness), computation.progress());
   if (const auto signs = computation.signs(output.nearest()))
@@ -169,12 +169,11 @@ ComputeReport run(Computation& computation, const ComputeOptions& options, bool 
       hash = computation.mesh_hash();
     }
     report.seconds.compute = watch.lap();
-    if (computation.plan().with_sign) {
+    const bool is_signed = computation.is_signed_after(counts);
+    if (!is_signed && counts.samples_signed > 0) output.drop_signs();
+    if (computation.sign_method() != SignMethod::none) {
       computation.progress().stage("sign", 1, 1, 1);
-      if (!computation.is_signed_after(counts)) {
-        if (counts.samples_signed > 0) output.drop_signs();
-        decide_sign(computation, options, output);
-      }
+      if (!is_signed) decide_sign(computation, options, output);
       report.seconds.sign = watch.lap();
     }
     computation.finish(job.triangle_count(), counts, hash);

@@ -41,12 +41,15 @@ class Completion(unittest.TestCase):
         for name in ("bunny.obj", "bunny.vti", "part.STL", "scan.ply.gz", "notes.txt", "two words.obj", "p.csv"):
             Path(name).touch()
         Path("folder").mkdir(exist_ok=True)
+        Path("folder/a=b.vti").touch()
+        if not Path("folder/standoff").exists():
+            Path("folder/standoff").symlink_to(Path(STANDOFF).resolve())
 
-    def bash(self, *words):
-        """What bash offers for the last of the words, which readline parts at = too."""
-        words = ["standoff", *words]
+    def bash(self, *words, program="standoff"):
+        """What bash offers for the last of the words, which readline parts at = and : too."""
+        words = [program, *words]
         script = (
-            'source completion.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _standoff; '
+            'set -u; source completion.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _standoff; '
             '((${#COMPREPLY[@]})) && printf "%s\\n" "${COMPREPLY[@]}"; true'
         )
         ran = subprocess.run(
@@ -90,6 +93,12 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.bash("compute", "-o", "=", "x.vti", "b"), {"bunny.obj"})
         self.assertEqual(self.bash("compute", "--", "-"), set())
         self.assertEqual(self.bash("compute", "~/fold"), {"~/folder"})
+        self.assertEqual(self.bash("points", "scene", ":", "fly", "p"), {"p.csv"})
+
+    def test_bash_asks_the_program_that_is_typed_or_the_one_on_the_path(self):
+        for program in ("~/folder/standoff", "./folder/standoff", "an_alias", "$HOME/folder/standoff"):
+            self.assertEqual(self.bash("slice", "b", program=program), {"bunny.vti"}, program)
+        self.assertEqual(self.bash("nosuch", "b"), set())
 
     def test_bash_offers_names(self):
         self.assertIn("winding", self.bash("compute", "--sign", ""))
@@ -149,6 +158,8 @@ class Completion(unittest.TestCase):
         self.assertEqual(becomes("standoff compute --sign flo").strip(), "standoff compute --sign flood")
         self.assertEqual(becomes("standoff compute -- bunny.o").strip(), "standoff compute -- bunny.obj")
         self.assertEqual(becomes("standoff compute -- --reso").strip(), "standoff compute -- --reso")
+        of_a_name = "standoff compute bunny.obj --output=folder/a="
+        self.assertEqual(becomes(of_a_name).strip(), of_a_name + "b.vti")
         self.assertEqual(becomes("standoff compute --reso").strip(), "standoff compute --resolution")
         self.assertEqual(becomes("standoff -v slice b").strip(), "standoff -v slice bunny.vti")
         self.assertEqual(becomes("standoff comple").strip(), "standoff completion")
@@ -159,6 +170,7 @@ class Completion(unittest.TestCase):
             script = f"source completion.fish; complete -C '{line}'"
             home = dict(HOME_HERE, XDG_CONFIG_HOME=os.getcwd(), XDG_DATA_HOME=os.getcwd())
             ran = subprocess.run(["fish", "-N", "-c", script], check=True, capture_output=True, text=True, env=home)
+            self.assertEqual(ran.stderr, "")
             return {row.split("\t")[0] for row in ran.stdout.splitlines()}
 
         self.assertTrue(set(VERBS) <= offered("standoff "))
@@ -172,6 +184,8 @@ class Completion(unittest.TestCase):
         self.assertEqual(offered("standoff compute --sign=wi"), {"--sign=winding"})
         self.assertEqual(offered("standoff compute bunny.obj --output=b"), {"--output=bunny.vti"})
         self.assertEqual(offered("standoff compute --cache fo"), {"folder/"})
+        self.assertEqual(offered("~/folder/standoff slice b"), {"bunny.vti"})
+        self.assertEqual(offered("nosuch/standoff slice b"), set())
 
     def test_the_manual_has_every_verb_and_option(self):
         self.assertEqual(told("man", "--list").split(), VERBS)

@@ -174,7 +174,7 @@ Counts run(Method method, const Job& job, Sink& sink) try {
   Windows windows(job.grid, std::max<std::size_t>(1, job.devices.size()));
   std::int64_t copies = 0;
   for (std::int64_t n = 0; n < windows.count(); ++n) copies += copies_of(windows.at(n));
-  job.progress.stage("distances", kUnitsPerCopy * copies, 0.2, 1);
+  job.progress.stage("distances", kUnitsPerCopy * copies, 0.2, job.sign ? kDistancesDoneBeforeSign : 1);
   return with_pipeline(method, job.grid, job.thickness, [&]<class Pipeline>() {
     if (job.devices.size() > 1) return run_on_all<Pipeline>(job, windows, sink);
     return run_on<Pipeline>(job.devices.empty() ? 0 : job.devices[0], job, windows, sink);

@@ -67,6 +67,7 @@ void expect_same(const ComputeReport& a, const ComputeReport& b) {
   EXPECT_EQ(a.samples_band, b.samples_band);
   EXPECT_EQ(a.skipped, b.skipped);
   EXPECT_EQ(a.tiles_stored, b.tiles_stored);
+  for (const ComputeReport& report : {a, b}) EXPECT_EQ(report.seconds.sign > 0, report.sign.method != SignMethod::none);
 }
 
 // A field by these options: sparse, and dense.
