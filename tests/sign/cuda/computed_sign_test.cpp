@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // compute() on an emulated device: the device decides the sign of closed meshes, the host that of others; field and
 // report are those of the CPU.
-// labels: memory threads
+// labels: memory
 #include <gtest/gtest.h>
 
 #include <algorithm>
