@@ -19,6 +19,7 @@
 #include "standoff/slabs.h"
 #include "standoff/testing/emulation.h"
 #include "standoff/windows.h"
+#include "tests/sign/cuda/coarse_grid.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/expect_error.h"
@@ -163,12 +164,7 @@ std::vector<Mesh> doubtful_meshes() {
   return all;
 }
 
-Grid grid_for(const Mesh& mesh) {
-  if (mesh.triangles.size() < 700) return kCutGrid;
-  const Box box = bounds(mesh);
-  const double spacing = box.longest_side() / 18;
-  return {{21, 22, 23}, box.min - Vec3{1, 1, 1} * spacing, {spacing, 0.9 * spacing, 1.1 * spacing}};
-}
+Grid grid_for(const Mesh& mesh) { return mesh.triangles.size() < 700 ? kCutGrid : testing::coarse_grid(mesh, 18); }
 
 TEST(ComputedSign, ClosedMeshesAreSignedOnTheDevice) {
   bool any_inside = false;

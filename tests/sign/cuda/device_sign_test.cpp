@@ -19,6 +19,7 @@
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"
 #include "tests/field/cuda/on_stream.h"
+#include "tests/sign/cuda/coarse_grid.h"
 #include "tests/sign/shapes.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/fields.h"
@@ -121,10 +122,7 @@ std::vector<Mesh> closed_meshes() {
 }
 
 Grid grid_around(const Mesh& mesh) {
-  if (mesh.triangles.size() < 1000) return kWholeGrid;
-  const Box box = bounds(mesh);
-  const double spacing = box.longest_side() / 22;
-  return {{25, 26, 27}, box.min - Vec3{1, 1, 1} * spacing, {spacing, 0.9 * spacing, 1.1 * spacing}};
+  return mesh.triangles.size() < 1000 ? kWholeGrid : testing::coarse_grid(mesh, 22);
 }
 
 TEST(DeviceSign, ClosedMeshesHaveTheBitsOfTheCpu) {
