@@ -75,9 +75,10 @@ static_assert(kBisectorSlack > gamma_float(16));
 inline constexpr double kBoxSlack = 1e-6;
 static_assert(kBoxSlack > 0x1p30 * gamma_double(4));
 
-/// Up to this thickness, in spacings, triangles are sorted straight into bricks or tiles: nearly all that are sorted
-/// then lie within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most
-/// triangles are farther than others everywhere. Decides speed alone: both algorithms give the same field.
+/// Up to this thickness, in spacings, the GPU sorts triangles straight into tiles: nearly all that are sorted then lie
+/// within the thickness of some sample. Beyond, candidates are handed down from coarse cells, since most triangles are
+/// farther than others everywhere. Decides speed alone: both algorithms give the same field. The CPU counts
+/// (cpu/band_choice.h).
 inline constexpr double kThinBand = 4;
 STANDOFF_HD inline bool is_thin(double max_spacing, double thickness) { return thickness <= kThinBand * max_spacing; }
 inline bool is_thin(const Grid& grid, double thickness) { return is_thin(grid.max_spacing(), thickness); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The method `tiles` on the CPU. For thin bands, triangles are sorted into the bricks that they reach (bins.h). For
-// thick bands and full fields, candidates pass down from coarse cells to tiles (candidate_culling.h).
+// thick bands and full fields, candidates pass down from coarse cells to tiles (candidate_culling.h). Counts decide
+// which bands are thin (band_choice.h).
 #include "field/cpu/tiles.h"
 
 #include <tbb/parallel_for.h>
@@ -277,20 +278,31 @@ std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lat
 
 }  // namespace
 
-Counts run_tiles(const Job& job, Sink& sink) {
-  job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
-  if (!is_thin(job.grid, job.thickness)) return ThickBand(job).gather(job.grid, sink, job.progress);
-  return run_thin_band(job, sink);
+Counts run_tiles_by(BandAlgorithm algorithm, const Job& job, Sink& sink) {
+  if (algorithm == BandAlgorithm::bins) return run_thin_band(job, sink);
+  return ThickBand(job).gather(job.grid, sink, job.progress);
 }
 
+Counts run_tiles(const Job& job, Sink& sink) {
+  job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
+  return run_tiles_by(band_algorithm(job), job, sink);
+}
+
+namespace {
+
+bool may_hold_bins(std::int64_t triangles, const Grid& grid) {
+  return brick_count(grid) <= std::max(kMostBricksHeld, triangles);
+}
+
+}  // namespace
+
 bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness) {
-  return !is_thin(grid, thickness) || brick_count(grid) <= std::max(kMostBricksHeld, triangles);
+  return may_take_descent(grid, thickness) || may_hold_bins(triangles, grid);
 }
 
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
-  if (!tiles_prepare_whole(static_cast<std::int64_t>(job.mesh.triangles.size()), job.grid, job.thickness))
-    return nullptr;
-  if (!is_thin(job.grid, job.thickness)) return std::make_unique<ThickBand>(job);
+  if (band_algorithm(job) == BandAlgorithm::descent) return std::make_unique<ThickBand>(job);
+  if (!may_hold_bins(static_cast<std::int64_t>(job.mesh.triangles.size()), job.grid)) return nullptr;
   auto band = std::make_unique<ThinBand>(job);
   return band->has_bins() ? std::move(band) : nullptr;
 }
@@ -299,8 +311,10 @@ std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
   const BlockLattice lattice = make_block_lattice(grid, thickness);
-  return is_thin(grid, thickness) ? thin_scratch_bytes(mesh, lattice, threads)
-                                  : thick_scratch_bytes(mesh.triangles, lattice, threads);
+  std::int64_t bytes = 0;
+  if (may_take_bins(grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, threads);
+  if (may_take_descent(grid, thickness)) bytes = std::max(bytes, thick_scratch_bytes(mesh.triangles, lattice, threads));
+  return bytes;
 }
 
 }  // namespace standoff::cpu

@@ -7,10 +7,13 @@
 #include <string>
 
 #include "field/backend.h"
+#include "field/cpu/band_choice.h"
 
 namespace standoff::cpu {
 
 Counts run_tiles(const Job& job, Sink& sink);
+/// The same by one of the two algorithms, whichever is faster. Bins are for finite thicknesses.
+Counts run_tiles_by(BandAlgorithm algorithm, const Job& job, Sink& sink);
 /// BackendRow::in_windows.
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job);
 /// BackendRow::prepares_whole.

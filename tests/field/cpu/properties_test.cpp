@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "field/cpu/tiles.h"
 #include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
@@ -167,21 +168,31 @@ TEST(TilesProperties, SubdividingTrianglesChangesNothingButRounding) {
   }
 }
 
-TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
-  // Up to four spacings triangles are binned; beyond, they pass down from coarse cells.
+// The field by one of the two algorithms, whichever would be faster.
+DistanceField computed_by(cpu::BandAlgorithm algorithm, const Mesh& mesh, const Grid& grid, double thickness) {
+  DistanceField field;
+  field.reset(grid, thickness, true);
+  Sink sink(field);
+  ProgressMeter progress;
+  cpu::run_tiles_by(algorithm, {mesh, {}, grid, thickness, 2, Simd::automatic, progress}, sink);
+  return field;
+}
+
+TEST(TilesProperties, BothAlgorithmsGiveTheSameBitsAtAnyThickness) {
   for (const double side : {0.3, 1.5, 30.0}) {
     const Mesh mesh = random_soup(41, 80, 6, side);
-    const double limit = 3.9 * 0.5;
-    const DistanceField thin = computed(mesh, kPropertyGrid, limit).field;
-    for (const double thickness : {4.1 * 0.5, kInfinity}) {
-      const DistanceField thick = computed(mesh, kPropertyGrid, thickness).field;
+    const DistanceField full = computed(mesh, kPropertyGrid, kInfinity).field;
+    for (const double thickness : {0.4, 1.7, 2.6, 5.5, 20.0}) {
+      const auto limit = static_cast<float>(thickness);
+      const DistanceField by_bins = computed_by(cpu::BandAlgorithm::bins, mesh, kPropertyGrid, thickness),
+                          by_descent = computed_by(cpu::BandAlgorithm::descent, mesh, kPropertyGrid, thickness);
       for_each_sample(kPropertyGrid, [&](auto i, auto j, auto k) {
-        const float value = thick.value(i, j, k);
-        if (value < static_cast<float>(limit)) {
-          ASSERT_EQ(thin.value(i, j, k), value);
-          ASSERT_EQ(thin.nearest(i, j, k), thick.nearest(i, j, k));
-        } else {
-          ASSERT_EQ(thin.value(i, j, k), static_cast<float>(limit));
+        const float value = full.value(i, j, k);
+        ASSERT_EQ(by_bins.value(i, j, k), std::min(value, limit)) << side << ' ' << thickness;
+        ASSERT_EQ(by_descent.value(i, j, k), std::min(value, limit)) << side << ' ' << thickness;
+        ASSERT_EQ(by_bins.nearest(i, j, k), by_descent.nearest(i, j, k)) << side << ' ' << thickness;
+        if (value < limit) {
+          ASSERT_EQ(by_bins.nearest(i, j, k), full.nearest(i, j, k)) << side << ' ' << thickness;
         }
       });
     }
@@ -193,7 +204,7 @@ TEST(TilesProperties, BothWaysToGatherAgreeWhereBothKnow) {
 void expect_least_of_parts(const Mesh& mesh, const Grid& grid, double thickness) {
   SCOPED_TRACE(::testing::Message() << grid.size.x << " samples wide, thickness " << thickness);
   constexpr std::size_t kPart = 40;
-  const DistanceField whole = computed(mesh, grid, thickness).field;
+  const DistanceField whole = computed_by(cpu::BandAlgorithm::descent, mesh, grid, thickness);
   std::vector<DistanceField> parts;
   for (std::size_t first = 0; first < mesh.triangles.size(); first += kPart) {
     const auto all = std::span(mesh.triangles);
