@@ -42,6 +42,7 @@ struct Lattice {
   float thickness, thickness_sq;    ///< grid units
   float thickness_world;
   float unscale;  ///< 1 / scale
+  float speck;    ///< kSpeck, or 0 if no triangle counts as a speck
 
   STANDOFF_HD std::int64_t tile_count() const { return tiles[0] * tiles[1] * tiles[2]; }
   STANDOFF_HD std::int64_t tile(std::int64_t x, std::int64_t y, std::int64_t z) const {
@@ -77,6 +78,7 @@ STANDOFF_HD inline Lattice lattice_of(const GridAxis (&axes)[3], double thicknes
   l.thickness_sq = l.thickness * l.thickness;
   l.thickness_world = static_cast<float>(thickness);
   l.unscale = static_cast<float>(1 / l.scale);
+  l.speck = thickness > kLeastSpeckBand * largest ? kSpeck : 0;
   return l;
 }
 inline Lattice make_lattice(const Grid& grid, double thickness) {
@@ -134,6 +136,18 @@ template <int kSide>
 STANDOFF_INLINE int inside(const Lattice& l, const std::int64_t* at, int axis) {
   const std::int64_t left = l.size[axis] - at[axis] * kSide;
   return left < kSide ? static_cast<int>(left) : kSide;
+}
+
+/// Whether a triangle with this box, relative to a brick's centre, is a speck from all samples of the brick: bool for
+/// float, a mask for wide floats.
+template <class F>
+STANDOFF_INLINE auto is_speck(const Lattice& l, const BoxOf<F>& box) {
+  constexpr int kLast = kBrickSide - 1;
+  const F x = max(box.low.x, F(-box.high.x)) - F(l.coordinate[0][kLast]),
+          y = max(box.low.y, F(-box.high.y)) - F(l.coordinate[1][kLast]),
+          z = max(box.low.z, F(-box.high.z)) - F(l.coordinate[2][kLast]);
+  const F away = max(x, max(y, max(z, F(0)))) + F(kSpeckSpacings);
+  return less(longest_side(box), away * F(l.speck));
 }
 
 // The cells that a triangle is a candidate of: bricks on the CPU, tiles on the GPU. They are the cells that its box,

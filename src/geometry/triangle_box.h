@@ -25,6 +25,11 @@ STANDOFF_INLINE BoxOf<F> box_of(const Triple<F>& a, const Triple<F>& b, const Tr
 }
 
 template <class F>
+STANDOFF_INLINE Triple<F> middle_of(const BoxOf<F>& box) {
+  return (box.low + box.high) * F(0.5f);
+}
+
+template <class F>
 STANDOFF_INLINE F longest_side(const BoxOf<F>& box) {
   return max(box.high.x - box.low.x, max(box.high.y - box.low.y, box.high.z - box.low.z));
 }

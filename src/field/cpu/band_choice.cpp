@@ -34,8 +34,9 @@ double blocks_along(double low, double high, std::int64_t size, int side) {
 struct BandWork {
   double short_blocks = 0, long_blocks = 0, samples = 0, area = 0;
 
-  void add(const std::array<Vec3, 3>& p, double thickness, const Size3& size) {
-    const Vec3 reach = Vec3{1, 1, 1} * thickness, low = min(p[0], min(p[1], p[2])), high = max(p[0], max(p[1], p[2]));
+  void add(const std::array<Vec3, 3>& p, const Vec3& reach, const Size3& size) {
+    const double thickness = std::min({reach.x, reach.y, reach.z});
+    const Vec3 low = min(p[0], min(p[1], p[2])), high = max(p[0], max(p[1], p[2]));
     const Vec3 from = low - reach, to = high + reach;
     const double in_box = blocks_along(from.x, to.x, size.x, kBlockX) * blocks_along(from.y, to.y, size.y, kBlockY) *
                           blocks_along(from.z, to.z, size.z, kBlockZ);
@@ -65,7 +66,7 @@ BandAlgorithm band_algorithm(const Job& job) {
   if (!may_take_descent(job.grid, job.thickness)) return BandAlgorithm::bins;
   if (!may_take_bins(job.grid, job.thickness)) return BandAlgorithm::descent;
   const Grid& grid = job.grid;
-  const double thickness = job.thickness / grid.max_spacing();
+  const Vec3 reach = Vec3{1, 1, 1} * job.thickness / grid.spacing;
   const Vec3 first{static_cast<double>(grid.first.x), static_cast<double>(grid.first.y),
                    static_cast<double>(grid.first.z)};
   const std::int64_t triangles = job.triangle_count(), looks = std::min(triangles, kMostLooks);
@@ -73,7 +74,7 @@ BandAlgorithm band_algorithm(const Job& job) {
   for (std::int64_t n = 0; n < looks; ++n) {
     std::array<Vec3, 3> p = job.mesh.corners(job.triangle(triangles * n / looks));
     for (Vec3& at : p) at = (at - grid.origin) / grid.spacing - first;
-    work.add(p, thickness, grid.size);
+    work.add(p, reach, grid.size);
   }
   return work.with_bins() <= work.with_descent(static_cast<double>(looks)) ? BandAlgorithm::bins
                                                                            : BandAlgorithm::descent;

@@ -148,6 +148,14 @@ class BoxList {
     return std::max({arrays_.high[0][n] - arrays_.low[0][n], arrays_.high[1][n] - arrays_.low[1][n],
                      arrays_.high[2][n] - arrays_.low[2][n]});
   }
+  /// How far entry n is from the samples, along the axis on which it is farthest; 0 if it is among them.
+  float gap(std::int64_t n, const CullCell& samples) const {
+    float most = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      most = std::max({most, arrays_.low[axis][n] - samples.center[axis] - samples.half[axis],
+                       samples.center[axis] - arrays_.high[axis][n] - samples.half[axis]});
+    return most;
+  }
   const BoxArrays& arrays() const { return arrays_; }
   /// The memory of the list, for kernels that add to it.
   BoxArrays& arrays() { return arrays_; }

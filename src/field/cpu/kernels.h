@@ -177,6 +177,33 @@ struct CrowdedTable {
   }
 };
 
+/// Scratch memory: triangles that are specks from a brick (lattice.h). If more than fit, tables follow each other.
+struct SpeckTable {
+  static constexpr int kMost = 4096;
+
+  /// Relative to the brick's centre.
+  struct Points {
+    alignas(64) float at[3][kMost + kLanes];
+    alignas(64) std::uint32_t index[kMost + kLanes];  ///< the triangle with the lowest index of those in a place
+    int count;
+  };
+  Points brick, tile;  ///< those that the brick keeps, and those of them that a tile keeps
+  alignas(64) std::uint32_t others[kMost + kLanes];  ///< triangles that are no specks
+  int others_count;
+
+  /// The specks nearest to the corners of the brick, of all tables so far.
+  struct Nearest {
+    float at[8][3];
+    float distance_sq[8];
+  };
+  Nearest nearest;
+  std::uint16_t places[kMost];  ///< one more than the number of a point, by a hash of its coordinates
+
+  void forget_nearest() {
+    for (float& sq : nearest.distance_sq) sq = __builtin_inff();
+  }
+};
+
 /// The squared distances of one brick while triangles are gathered into it; one per thread.
 struct BrickState {
   alignas(64) float distance_sq[kBlocks][kLanes];
@@ -257,6 +284,11 @@ struct Kernels {
   /// each cell of 4x4x4 samples.
   void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
                       CandidateTable&, BrickState&);
+  /// Finds the specks among the candidates, at most SpeckTable::kMost, and lists the others.
+  void (*load_specks)(const BlockLattice&, const Brick&, const Candidates&, SpeckTable&);
+  /// Lowers the distances of the samples in those tiles of the brick whose bits are set to the distances from the
+  /// table's specks.
+  void (*gather_specks)(const BlockLattice&, unsigned tiles, bool with_nearest, SpeckTable&, BrickState&);
   /// Culls the boxes of a crowded cell, of nodes and triangles: writes to `kept`, which may be the same memory, those
   /// that some block keeps. `in_entry`: a triangle of each entry; its point bounds the distances of samples from now
   /// on.

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -149,6 +150,10 @@ std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattic
 // and with nodes that are larger than a few samples, it takes more than it saves.
 constexpr std::int64_t kManyNodes = 48;
 
+// Nodes longer than this share of their distance are looked at no further for specks: their triangles are some
+// hundredth as long.
+constexpr float kSpeckNode = 0x1p-10f;
+
 // The memory of a thread.
 struct TileWork {
   explicit TileWork(CandidateLists&& candidates) : lists(std::move(candidates)) {}
@@ -157,6 +162,7 @@ struct TileWork {
   BrickState brick;
   CandidateTable tile;
   CrowdedTable crowded;
+  SpeckTable specks;
 };
 
 class ThickBand final : public WindowGather {
@@ -207,9 +213,13 @@ class ThickBand final : public WindowGather {
     const Brick brick = brick_at(lattice_, at(0) + lattice_.bricks[0] * (at(1) + lattice_.bricks[1] * at(2)));
     kernels_.clear(sink_->with_nearest(), state.brick);
     Cell tiles[kBrickTiles];
-    const int count = halves(own.cell, tiles);
-    for (int n = 0; n < count; ++n)
-      if (is_wanted(tiles[n])) gather_tile(brick, own, tiles[n], state);
+    int count = 0;
+    for (int n = 0, all = halves(own.cell, tiles); n < all; ++n)
+      if (is_wanted(tiles[n])) tiles[count++] = tiles[n];
+    if (has_specks(brick, own, state))
+      gather_specks(brick, own, {tiles, static_cast<std::size_t>(count)}, state);
+    else
+      for (int n = 0; n < count; ++n) gather_tile(brick, own, tiles[n], state);
     write_brick(lattice_, brick, kernels_, state.brick, *sink_);
     progress_->advance();
   }
@@ -217,6 +227,50 @@ class ThickBand final : public WindowGather {
   bool is_wanted(const Cell& tile) const {
     const auto at = [&](int axis) { return tile.low[axis] / kTileSide; };
     return job_.wanted.empty() || job_.wanted[static_cast<std::size_t>(lattice_.tile(at(0), at(1), at(2)))] != 0;
+  }
+
+  // Whether most of some candidates, spread evenly, are specks.
+  bool has_specks(const Brick& brick, const CellCandidates& own, TileWork& state) const {
+    if (lattice_.speck == 0) return false;
+    const CullCell samples = culling_.target(own.cell, {}).samples;
+    std::uint32_t some[kLanes];
+    for (std::int64_t n = 0; n < kLanes; ++n) {
+      const std::int64_t at = n * own.list.size() / kLanes;
+      // Nodes that are too large tell at once.
+      if (own.list.longest_side(at) > kSpeckNode * (own.list.gap(at, samples) + kSpeckSpacings)) return false;
+      some[n] = culling_.bvh().first_triangle(own.list.entry(at));
+    }
+    kernels_.load_specks(lattice_, brick, candidates_of(job_, some), state.specks);
+    return 2 * state.specks.others_count <= kLanes;
+  }
+
+  // Gathers tiles of a brick whose candidates are specks. The lists of its tiles would hold nearly all of them: boxes
+  // are rounded by as much as such a mesh is large.
+  void gather_specks(const Brick& brick, const CellCandidates& own, std::span<const Cell> tiles, TileWork& state) {
+    CandidateLists& lists = state.lists;
+    const CellTarget target = culling_.target(own.cell, {});
+    unsigned numbers = 0;
+    for (const Cell& tile : tiles) numbers |= 1u << tile_in(own.cell, tile);
+    culling_.narrow(own.list.arrays(), target, std::numeric_limits<float>::infinity(), lists.tile, lists.nodes);
+    state.specks.forget_nearest();
+    while (culling_.next_part(target, lists.tile, lists)) {
+      take_triangles(lists.part.arrays(), lists);
+      for (std::span left(lists.triangles); !left.empty();) {
+        const auto some = left.first(std::min<std::size_t>(left.size(), SpeckTable::kMost));
+        left = left.subspan(some.size());
+        kernels_.load_specks(lattice_, brick, candidates_of(job_, some), state.specks);
+        kernels_.gather_specks(lattice_, numbers, sink_->with_nearest(), state.specks, state.brick);
+        const std::span others(state.specks.others, static_cast<std::size_t>(state.specks.others_count));
+        for (unsigned rest = others.empty() ? 0 : numbers; rest != 0; rest &= rest - 1)
+          kernels_.gather_tile(lattice_, brick, std::countr_zero(rest), candidates_of(job_, others),
+                               sink_->with_nearest(), state.tile, state.brick);
+      }
+    }
+  }
+
+  void take_triangles(const BoxArrays& boxes, CandidateLists& lists) const {
+    lists.triangles.clear();
+    for (std::int64_t n = 0; n < boxes.count; ++n) lists.triangles.push_back(culling_.triangle(boxes.entry[n]));
   }
 
   void gather_tile(const Brick& brick, const CellCandidates& parent, const Cell& tile, TileWork& state) {
@@ -232,8 +286,7 @@ class ThickBand final : public WindowGather {
     }
     const int number = tile_in(parent.cell, tile);
     const auto gather = [&](const BoxArrays& boxes) {
-      lists.triangles.clear();
-      for (std::int64_t n = 0; n < boxes.count; ++n) lists.triangles.push_back(culling_.triangle(boxes.entry[n]));
+      take_triangles(boxes, lists);
       kernels_.gather_tile(lattice_, brick, number, candidates_of(job_, lists.triangles), sink_->with_nearest(),
                            state.tile, state.brick);
     };

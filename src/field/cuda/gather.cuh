@@ -81,8 +81,12 @@ STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint3
                             const Triple<double>& center, Stage& stage, int n) {
   const Corners c = corners_of(mesh, triangle);
   const Triple<double> a = local(l, c.at[0], center), b = local(l, c.at[1], center), d = local(l, c.at[2], center);
-  const Triple<float> fa = narrowed(a), fb = narrowed(b), fd = narrowed(d);
-  const BoxOf<float> box = box_of(fa, fb, fd);
+  Triple<float> fa = narrowed(a), fb = narrowed(b), fd = narrowed(d);
+  BoxOf<float> box = box_of(fa, fb, fd);
+  if (is_speck(l, box)) {
+    fa = fb = fd = middle_of(box);
+    box = box_of(fa, fa, fa);
+  }
   stage.index[n] = triangle;
   stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
   stage.is_long[n] = is_long(box);

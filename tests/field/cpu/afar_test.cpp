@@ -3,6 +3,7 @@
 // and the nearest triangles must be those of measuring all triangles from every sample.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "field/lattice.h"
@@ -22,6 +23,8 @@ class Measured {
       exact[n] = local(lattice, {corners[n].x, corners[n].y, corners[n].z}, center);
       corner[n] = narrowed(exact[n]);
     }
+    if (const BoxOf<float> box = box_of(corner[0], corner[1], corner[2]); is_speck(lattice, box))
+      for (Triple<float>& one : corner) one = middle_of(box);
     frame_ = make_frame(corner[0], corner[1], corner[2], kLeastLengthSq);
     is_long_ = is_long(box_of(corner[0], corner[1], corner[2]));
     if (is_long_) lines_ = make_lines<float>(make_frame(exact[0], exact[1], exact[2], double{kLeastLengthSq}));
@@ -89,9 +92,79 @@ TEST(TilesAfar, AMeshSmallerThanASampleAndAStrayTriangle) {
   }
 }
 
+// Far smaller than a sample, all triangles are specks. From the smallest ball's many lie in the same place.
+TEST(TilesAfar, AMeshOfSpecks) {
+  for (const double radius : {1e-4, 1e-5, 1e-6, 1e-9}) {
+    Mesh mesh;
+    add_ball(mesh, 7, 9000, {1, 2, 0.5}, radius);  // more than a table holds
+    add_triangle(mesh, {100, 60, 118}, {100, 61, 118}, {101, 60, 118});
+    expect_bits_of_all(mesh, kAfarGrid, 397, "radius " + std::to_string(radius));
+  }
+}
+
+TEST(TilesAfar, SpecksAmongLargerTriangles) {
+  Mesh mesh;
+  add_ball(mesh, 8, 2000, {1, 2, 0.5}, 1e-5);
+  add_ball(mesh, 9, 700, {1, 2, 0.5}, 1e-4);
+  Random random(10);
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 at = Vec3{1, 2, 0.5} + random.in_cube(1e-5);
+    add_triangle(mesh, at, at + random.in_cube(0.3), at + random.in_cube(0.3));
+  }
+  expect_bits_of_all(mesh, kAfarGrid, 113, "larger");
+}
+
+TEST(TilesAfar, FewSpecksAmongLargerTriangles) {
+  // Too few for the kernel of specks: they are measured as triangles without extent.
+  Mesh mesh;
+  add_ball(mesh, 15, 900, {1, 2, 0.5}, 0.03);
+  Random random(16);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 at = Vec3{1, 2, 0.5} + random.in_cube(0.03);
+    add_triangle(mesh, at, at + random.in_cube(3e-6), at + random.in_cube(3e-6));
+  }
+  expect_bits_of_all(mesh, kAfarGrid, 113, "few");
+}
+
+TEST(TilesAfar, FewOfManySpecksAreMeasured) {
+  // All 20,000 from each sample, if they are culled by boxes and by distances in frames alone.
+  Mesh mesh;
+  add_ball(mesh, 11, 20000, {1, 2, 0.5}, 3e-4);
+  const ComputeReport report = computed(mesh, kAfarGrid, kInfinity).report;
+  EXPECT_LT(report.samples_examined, 6000 * kAfarGrid.sample_count());
+}
+
+TEST(TilesAfar, ThickBandsOfSpecksAndAnyOrder) {
+  Mesh mesh;
+  add_ball(mesh, 12, 1500, {40, 30, 50}, 1e-5);
+  const DistanceField full = computed(mesh, kAfarGrid, kInfinity).field;
+  const double thickness = 17 * kAfarGrid.max_spacing();
+  Mesh reversed = mesh;
+  std::ranges::reverse(reversed.triangles);
+  const DistanceField band = computed(mesh, kAfarGrid, thickness).field,
+                      turned = computed(reversed, kAfarGrid, kInfinity).field;
+  for_each_sample(kAfarGrid, [&](auto i, auto j, auto k) {
+    ASSERT_EQ(band.value(i, j, k), std::min(full.value(i, j, k), static_cast<float>(thickness)));
+    ASSERT_EQ(turned.value(i, j, k), full.value(i, j, k));
+  });
+}
+
+// Whatever counts as a point, values keep the promise.
+TEST(TilesAfar, SpecksKeepThePromise) {
+  Mesh mesh;
+  Random random(13);
+  for (int n = 0; n < 400; ++n) {
+    const Vec3 at = Vec3{20, 20, 20} + random.in_cube(30);
+    const double side = std::pow(10.0, random.between(-7, -4));
+    add_triangle(mesh, at, at + random.in_cube(side), at + random.in_cube(side));
+  }
+  expect_exact(mesh, computed(mesh, kAfarGrid, kInfinity).field, reference_distances(mesh, kAfarGrid));
+}
+
 TEST(TilesAfar, AnyInstructionSet) {
   Mesh mesh;
   add_ball(mesh, 6, 1000, {1, 2, 0.5}, 1e-2);
+  add_ball(mesh, 14, 1000, {40, 30, 50}, 1e-6);
   const Grid grid{{17, 15, 16}, {-3, -2, -1}, {6.1, 7.3, 7.4}};
   const DistanceField field = computed(mesh, grid, kInfinity).field;
   for (const Simd simd : {Simd::portable, Simd::avx2}) try {

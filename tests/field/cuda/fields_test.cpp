@@ -87,6 +87,14 @@ TEST(CudaFields, MeshesFarOutsideTheGrid) {
   expect_same(Method::thesis, mesh, kCudaGrid, 1.0);
 }
 
+TEST(CudaFields, AMeshFarSmallerThanASample) {
+  // Its triangles are specks in full fields (field/lattice.h).
+  Mesh mesh = testing::random_soup(54, 300, 1e-5, 2e-6);
+  append(mesh, testing::random_soup(55, 2, 6, 0.7));
+  expect_same(Method::tiles, mesh, kCudaGrid, kInfinity);
+  expect_same(Method::tiles, mesh, kCudaGrid, 1.7);
+}
+
 TEST(CudaFields, OneTriangleOnOneSample) {
   const Mesh mesh = testing::random_soup(55, 1, 0.2, 0.5);
   const Grid grid{{1, 1, 1}, {0.1, 0, 0}, {1, 1, 1}};

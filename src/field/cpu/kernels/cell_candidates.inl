@@ -40,6 +40,7 @@ STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick,
     CandidateTable::Group& g = table.groups[table.count];
     Group loaded;
     load_group(lattice, brick, c, first, loaded);
+    shrink_specks(lattice, loaded);
     set_up(loaded, g);
     const Mask is_long = mask_from_bits(g.is_long);
     WideFloat farthest_sq(0);

@@ -292,6 +292,7 @@ STANDOFF_INLINE void set_up_chosen(const BlockLattice& lattice, const Brick& bri
   for (int first = 0; first < table.chosen_count; first += kLanes) {
     Group loaded;
     load_group(lattice, brick, chosen, first, loaded);
+    shrink_specks(lattice, loaded);
     set_up(loaded, table.groups[first / kLanes]);
   }
 }

@@ -5,6 +5,7 @@
 #include "field/cpu/kernels/cull_boxes.inl"
 #include "field/cpu/kernels/gather_band.inl"
 #include "field/cpu/kernels/gather_cells.inl"
+#include "field/cpu/kernels/gather_specks.inl"
 #include "field/cpu/kernels/reached_bricks.inl"
 
 namespace standoff::cpu::STANDOFF_TARGET {
@@ -22,6 +23,8 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .cull_boxes = cull_boxes,
                          .cull_nodes = cull_nodes,
                          .gather_tile = gather_tile_any,
+                         .load_specks = load_specks,
+                         .gather_specks = gather_specks_any,
                          .keep_near = keep_near,
                          .gather_crowded = gather_crowded_any};
 

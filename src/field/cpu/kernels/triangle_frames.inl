@@ -58,6 +58,15 @@ STANDOFF_INLINE void load_group(const BlockLattice& lattice, const Brick& brick,
     group.corner[which] = {load_column(rows[which], 0), load_column(rows[which], 1), load_column(rows[which], 2)};
 }
 
+// The specks among the triangles (lattice.h) shrink to the middle of their boxes. Returns them.
+STANDOFF_INLINE Mask shrink_specks(const BlockLattice& lattice, Group& group) {
+  const BoxOf<WideFloat> box = box_of(group.corner[0], group.corner[1], group.corner[2]);
+  const Mask specks = is_speck(lattice, box);
+  if (specks.to_bits() == 0) return specks;
+  for (WidePoint& corner : group.corner) corner = select(specks, middle_of(box), corner);
+  return specks;
+}
+
 STANDOFF_INLINE TriangleFrame<WideFloat> make_frames(const Group& group) {
   return make_frame(group.corner[0], group.corner[1], group.corner[2], WideFloat(kLeastLengthSq));
 }
