@@ -69,11 +69,7 @@ std::span<const std::uint32_t> TriangleGroups::group(std::size_t g) const {
   return std::span(order_).subspan(g * kGroup, std::min(kGroup, order_.size() - g * kGroup));
 }
 
-double TriangleGroups::distance(Vec3 p) const { return std::sqrt(find(p).distance_sq); }
-
-std::uint32_t TriangleGroups::nearest(Vec3 p) const { return find(p).triangle; }
-
-TriangleGroups::Found TriangleGroups::find(Vec3 p) const {
+double TriangleGroups::distance(Vec3 p) const {
   std::size_t nearest = 0;
   double nearest_sq = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < boxes_.size(); ++g)
@@ -81,23 +77,20 @@ TriangleGroups::Found TriangleGroups::find(Vec3 p) const {
       nearest = g;
       nearest_sq = sq;
     }
-  Found best;
-  look_at(nearest, p, best);
+  double best_sq = std::numeric_limits<double>::infinity();
+  look_at(nearest, p, best_sq);
   for (std::size_t g = 0; g < boxes_.size(); ++g)
-    if (box_distance_sq(p, boxes_[g]) <= best.distance_sq) look_at(g, p, best);
-  return best;
+    if (box_distance_sq(p, boxes_[g]) <= best_sq) look_at(g, p, best_sq);
+  return std::sqrt(best_sq);
 }
 
 double TriangleGroups::distance(Vec3 p, std::uint32_t triangle) const {
   return std::sqrt(triangle_distance_sq(p, triangle));
 }
 
-void TriangleGroups::look_at(std::size_t g, Vec3 p, Found& best) const {
-  for (const auto t : group(g)) {
-    if (!(box_distance_sq(p, triangle_box(mesh_, t)) <= best.distance_sq)) continue;
-    const double sq = triangle_distance_sq(p, t);
-    if (sq < best.distance_sq || (sq == best.distance_sq && t < best.triangle)) best = {sq, t};
-  }
+void TriangleGroups::look_at(std::size_t g, Vec3 p, double& best_sq) const {
+  for (const auto t : group(g))
+    if (box_distance_sq(p, triangle_box(mesh_, t)) <= best_sq) best_sq = std::min(best_sq, triangle_distance_sq(p, t));
 }
 
 double TriangleGroups::triangle_distance_sq(Vec3 p, std::uint32_t t) const {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,8 +25,6 @@ class TriangleGroups {
   std::size_t triangle_count() const { return mesh_.triangles.size(); }
   /// The distance from p to these triangles.
   double distance(Vec3 p) const;
-  /// The triangle nearest to p; the lowest index wins a tie.
-  std::uint32_t nearest(Vec3 p) const;
   /// The distance from p to one triangle.
   double distance(Vec3 p, std::uint32_t triangle) const;
   /// Calls use(triangle) for each triangle that is no farther from p than `most`.
@@ -54,13 +51,8 @@ class TriangleGroups {
   static constexpr std::size_t kGroup = 32;
 
   std::span<const std::uint32_t> group(std::size_t g) const;
-  struct Found {
-    double distance_sq = std::numeric_limits<double>::infinity();
-    std::uint32_t triangle = kNoTriangle;
-  };
-
-  Found find(Vec3 p) const;
-  void look_at(std::size_t g, Vec3 p, Found& best) const;
+  // Lowers `best_sq` to the squared distances from the triangles of a group.
+  void look_at(std::size_t g, Vec3 p, double& best_sq) const;
   double triangle_distance_sq(Vec3 p, std::uint32_t triangle) const;
 
   MeshView mesh_;

@@ -34,19 +34,20 @@ std::int64_t skip_bytes(std::int64_t triangles, SkipRule rule) {
 
 namespace {
 
+using CornerBits = std::array<std::uint64_t, 9>;
+
 // Compares bits, not values: 0 equals -0, but their results may differ.
-bool same_bits(const Corners& a, const Corners& b) {
-  using Bits = std::array<std::uint64_t, 9>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+CornerBits corner_bits_of(MeshView mesh, std::uint32_t triangle) {
+  return std::bit_cast<CornerBits>(Corners(mesh.corners(triangle)));
 }
 
-std::uint32_t hash(const Corners& corners) {
+std::uint64_t corner_hash(const CornerBits& bits) {
   std::uint64_t h = 0;
-  for (const std::uint64_t bits : std::bit_cast<std::array<std::uint64_t, 9>>(corners)) {
-    h = (h ^ bits) * kSplitmixStep;
+  for (const std::uint64_t word : bits) {
+    h = (h ^ word) * kSplitmixStep;
     h ^= h >> 32;
   }
-  return static_cast<std::uint32_t>(h);
+  return h;
 }
 
 // Triangles of a chunk; chunks are hashed in parallel.
@@ -97,7 +98,7 @@ class ExactRule {
       for_each_in_chunk(chunk, [&](std::uint32_t triangle) {
         kept_[triangle] = in_reach(triangle);
         if (!kept_[triangle]) return;
-        hashes[triangle] = hash(mesh_.corners(triangle));
+        hashes[triangle] = static_cast<std::uint32_t>(corner_hash(corner_bits_of(mesh_, triangle)));
         ++count[bucket_of(hashes[triangle])];
       });
     });
@@ -125,8 +126,8 @@ class ExactRule {
       const auto triangle = static_cast<std::uint32_t>(*entry);
       const bool alone = count == 0 && (entry + 1 == end || *entry >> 32 != *(entry + 1) >> 32);
       if (alone) continue;
-      const auto corners = mesh_.corners(triangle);
-      const auto is_original = [&](std::uint32_t other) { return same_bits(corners, mesh_.corners(other)); };
+      const CornerBits bits = corner_bits_of(mesh_, triangle);
+      const auto is_original = [&](std::uint32_t other) { return bits == corner_bits_of(mesh_, other); };
       if (std::any_of(originals.begin(), originals.begin() + count, is_original))
         kept_[triangle] = 0;
       else if (count < kMostCompared)
@@ -150,22 +151,6 @@ std::vector<std::uint32_t> kept_by_exact_rule(MeshView mesh, const Grid& grid, d
 }
 
 namespace {
-
-using CornerBits = std::array<std::uint64_t, 9>;
-
-// Compares bits, not values: 0 equals -0, but their results may differ.
-CornerBits corner_bits_of(MeshView mesh, std::uint32_t triangle) {
-  return std::bit_cast<CornerBits>(Corners(mesh.corners(triangle)));
-}
-
-std::uint64_t corner_hash(const CornerBits& bits) {
-  std::uint64_t h = 0;
-  for (const std::uint64_t word : bits) {
-    h = (h ^ word) * kSplitmixStep;
-    h ^= h >> 32;
-  }
-  return h;
-}
 
 std::size_t number_among(MeshView mesh, std::span<const std::uint32_t> among) {
   return among.empty() ? mesh.triangles.size() : among.size();

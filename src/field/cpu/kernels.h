@@ -253,6 +253,7 @@ struct BrickRanges {
 
 struct Kernels {
   const char* name;
+  // Of two functions, the second one finds the nearest triangles too.
   /// The bricks with samples in the boxes of eight triangles, grown by the thickness. Requires less than 2^31 samples
   /// on each axis.
   void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, BrickRanges&);
@@ -261,7 +262,7 @@ struct Kernels {
   /// Sets all distances to infinity.
   void (*clear)(bool with_nearest, BrickState&);
   /// Lowers the distances of all samples that lie within the thickness of the candidates' boxes.
-  void (*gather_band)(const BlockLattice&, const Brick&, const Candidates&, bool with_nearest, BrickState&);
+  void (*gather_band[2])(const BlockLattice&, const Brick&, const Candidates&, BrickState&);
   /// Returns a bit per tile of the brick (x fastest): whether it holds a sample within the thickness. Counts these
   /// samples.
   unsigned (*band_tiles)(const BlockLattice&, const Brick&, BrickState&);
@@ -282,21 +283,20 @@ struct Kernels {
   void (*cull_nodes)(const BvhNode* nodes, std::int64_t count, const CullCell&, const References&, BoxArrays& kept);
   /// Does the same as gather_band for a tile with many candidates, of which each sample needs few: it culls them for
   /// each cell of 4x4x4 samples.
-  void (*gather_tile)(const BlockLattice&, const Brick&, int tile, const Candidates&, bool with_nearest,
-                      CandidateTable&, BrickState&);
+  void (*gather_tile[2])(const BlockLattice&, const Brick&, int tile, const Candidates&, CandidateTable&, BrickState&);
   /// Finds the specks among the candidates, at most SpeckTable::kMost, and lists the others.
   void (*load_specks)(const BlockLattice&, const Brick&, const Candidates&, SpeckTable&);
   /// Lowers the distances of the samples in those tiles of the brick whose bits are set to the distances from the
   /// table's specks.
-  void (*gather_specks)(const BlockLattice&, unsigned tiles, bool with_nearest, SpeckTable&, BrickState&);
+  void (*gather_specks[2])(const BlockLattice&, unsigned tiles, SpeckTable&, BrickState&);
   /// Culls the boxes of a crowded cell, of nodes and triangles: writes to `kept`, which may be the same memory, those
   /// that some block keeps. `in_entry`: a triangle of each entry; its point bounds the distances of samples from now
   /// on.
   void (*keep_near)(const BlockLattice&, const CrowdedCell&, const std::uint32_t* in_entry, CrowdedTable&,
                     const BrickState&, BoxArrays& kept);
   /// Gathers a crowded cell, as gather_tile() does a tile. The candidates are the cell's boxes; `mesh` lists none.
-  void (*gather_crowded)(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh,
-                         bool with_nearest, CrowdedTable&, BrickState&);
+  void (*gather_crowded[2])(const BlockLattice&, const Brick&, const CrowdedCell&, const Candidates& mesh,
+                            CrowdedTable&, BrickState&);
 
   static const Kernels portable, avx2, avx512;  ///< defined in kernels_<set>.cpp
 };

@@ -66,7 +66,7 @@ class BandBricks {
       BrickState& state = states_.local();
       const Brick brick = brick_at(lattice_, bins.first_brick + n);
       kernels_.clear(sink.with_nearest(), state);
-      kernels_.gather_band(lattice_, brick, candidates_of(job_, refs), sink.with_nearest(), state);
+      kernels_.gather_band[sink.with_nearest()](lattice_, brick, candidates_of(job_, refs), state);
       write_brick(lattice_, brick, kernels_, state, sink);
     }
     progress.advance();
@@ -259,11 +259,11 @@ class ThickBand final : public WindowGather {
         const auto some = left.first(std::min<std::size_t>(left.size(), SpeckTable::kMost));
         left = left.subspan(some.size());
         kernels_.load_specks(lattice_, brick, candidates_of(job_, some), state.specks);
-        kernels_.gather_specks(lattice_, numbers, sink_->with_nearest(), state.specks, state.brick);
+        kernels_.gather_specks[sink_->with_nearest()](lattice_, numbers, state.specks, state.brick);
         const std::span others(state.specks.others, static_cast<std::size_t>(state.specks.others_count));
         for (unsigned rest = others.empty() ? 0 : numbers; rest != 0; rest &= rest - 1)
-          kernels_.gather_tile(lattice_, brick, std::countr_zero(rest), candidates_of(job_, others),
-                               sink_->with_nearest(), state.tile, state.brick);
+          kernels_.gather_tile[sink_->with_nearest()](lattice_, brick, std::countr_zero(rest),
+                                                      candidates_of(job_, others), state.tile, state.brick);
       }
     }
   }
@@ -287,8 +287,8 @@ class ThickBand final : public WindowGather {
     const int number = tile_in(parent.cell, tile);
     const auto gather = [&](const BoxArrays& boxes) {
       take_triangles(boxes, lists);
-      kernels_.gather_tile(lattice_, brick, number, candidates_of(job_, lists.triangles), sink_->with_nearest(),
-                           state.tile, state.brick);
+      kernels_.gather_tile[sink_->with_nearest()](lattice_, brick, number, candidates_of(job_, lists.triangles),
+                                                  state.tile, state.brick);
     };
     if (culling_.open_nodes(target, 0, lists.tile, lists.nodes)) return gather(lists.tile.arrays());
     while (culling_.next_part(target, lists.tile, lists)) gather(lists.part.arrays());
@@ -299,8 +299,8 @@ class ThickBand final : public WindowGather {
     CandidateLists& lists = state.lists;
     const CellTarget target = culling_.target(cell, near);
     const auto gather = [&](const BoxArrays& boxes) {
-      kernels_.gather_crowded(lattice_, brick, culling_.crowded_cell(brick, cell, boxes), candidates_of(job_, {}),
-                              sink_->with_nearest(), state.crowded, state.brick);
+      kernels_.gather_crowded[sink_->with_nearest()](lattice_, brick, culling_.crowded_cell(brick, cell, boxes),
+                                                     candidates_of(job_, {}), state.crowded, state.brick);
     };
     state.crowded.forget_points();
     // Culls alone: an infinite length opens no node.

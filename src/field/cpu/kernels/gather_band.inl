@@ -244,13 +244,5 @@ void gather_band(const BlockLattice& lattice, const Brick& brick, const Candidat
   }
 }
 
-void gather_band_any(const BlockLattice& lattice, const Brick& brick, const Candidates& c, bool with_nearest,
-                     BrickState& state) {
-  if (with_nearest)
-    gather_band<true>(lattice, brick, c, state);
-  else
-    gather_band<false>(lattice, brick, c, state);
-}
-
 }  // namespace
 }  // namespace standoff::cpu::STANDOFF_TARGET

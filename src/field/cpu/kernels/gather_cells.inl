@@ -202,14 +202,6 @@ void gather_tile(const BlockLattice& lattice, const Brick& brick, int tile, cons
   }
 }
 
-void gather_tile_any(const BlockLattice& lattice, const Brick& brick, int tile, const Candidates& c, bool with_nearest,
-                     CandidateTable& table, BrickState& state) {
-  if (with_nearest)
-    gather_tile<true>(lattice, brick, tile, c, table, state);
-  else
-    gather_tile<false>(lattice, brick, tile, c, table, state);
-}
-
 // The kernel for crowded cells, whose very many candidates are small compared with the spacing: first their boxes are
 // tested, then only the triangles that some block keeps (cell_candidates.inl) are set up and measured.
 
@@ -311,14 +303,6 @@ void gather_crowded(const BlockLattice& lattice, const Brick& brick, const Crowd
       gather_listed<kNearest, 1>(lattice, brick, mesh, table.groups, table.block_list[n], cell.at[0] / kBlockX,
                                  cell.at[1] / kBlockY + n % kCellBlocks, cell.at[2] / kBlockZ + n / kCellBlocks, state);
   }
-}
-
-void gather_crowded_any(const BlockLattice& lattice, const Brick& brick, const CrowdedCell& cell,
-                        const Candidates& mesh, bool with_nearest, CrowdedTable& table, BrickState& state) {
-  if (with_nearest)
-    gather_crowded<true>(lattice, brick, cell, mesh, table, state);
-  else
-    gather_crowded<false>(lattice, brick, cell, mesh, table, state);
 }
 
 }  // namespace

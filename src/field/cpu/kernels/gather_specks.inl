@@ -182,8 +182,8 @@ STANDOFF_INLINE void measure_specks(const BlockLattice& lattice, const SpeckTabl
   state.samples_examined += std::int64_t{kLanes} * nx * ny * nz * p.count;
 }
 
-void gather_specks_any(const BlockLattice& lattice, unsigned tiles, bool with_nearest, SpeckTable& table,
-                       BrickState& state) {
+template <bool kNearest>
+void gather_specks(const BlockLattice& lattice, unsigned tiles, SpeckTable& table, BrickState& state) {
   const SampleBox brick = box_of_samples(lattice, {0, 0, 0}, kBrickSide);
   find_nearest(table.brick, brick, table.nearest);
   keep_specks(table.brick, brick, table.nearest, table.brick);
@@ -198,10 +198,7 @@ void gather_specks_any(const BlockLattice& lattice, unsigned tiles, bool with_ne
     find_nearest(table.brick, box, nearest);
     keep_specks(table.brick, box, nearest, table.tile);
     keep_specks(table.tile, box, table.nearest, table.tile);
-    if (with_nearest)
-      measure_specks<true>(lattice, table.tile, tile, state);
-    else
-      measure_specks<false>(lattice, table.tile, tile, state);
+    measure_specks<kNearest>(lattice, table.tile, tile, state);
   }
 }
 

@@ -14,7 +14,7 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .reached_bricks = reached_bricks,
                          .within = within,
                          .clear = clear,
-                         .gather_band = gather_band_any,
+                         .gather_band = {gather_band<false>, gather_band<true>},
                          .band_tiles = band_tiles,
                          .write_tile = write_tile,
                          .nearest_to_lattice = nearest_to_lattice,
@@ -22,11 +22,11 @@ constexpr Kernels kTable{.name = STANDOFF_TARGET_NAME,
                          .nearest_child = nearest_child,
                          .cull_boxes = cull_boxes,
                          .cull_nodes = cull_nodes,
-                         .gather_tile = gather_tile_any,
+                         .gather_tile = {gather_tile<false>, gather_tile<true>},
                          .load_specks = load_specks,
-                         .gather_specks = gather_specks_any,
+                         .gather_specks = {gather_specks<false>, gather_specks<true>},
                          .keep_near = keep_near,
-                         .gather_crowded = gather_crowded_any};
+                         .gather_crowded = {gather_crowded<false>, gather_crowded<true>}};
 
 }  // namespace standoff::cpu::STANDOFF_TARGET
 
