@@ -89,13 +89,13 @@ inline bool is_thin(const Grid& grid, double thickness) { return is_thin(grid.ma
 /// once. Decides bits: a point of a box is within 0.87 of its side of the middle, which makes, with the rounding of a
 /// point's distance, less than what is promised, 1e-6 of the distance and 16 spacings together. Smaller: a mesh must be
 /// smaller until its triangles become points.
-inline constexpr float kSpeck = 0x1p-21f;
+inline constexpr float kSpeck = 6e-7f;
 inline constexpr float kSpeckSpacings = 16;  // grid units, so at most that many spacings
 inline constexpr double kLeastSpeckBand = 16;
 /// What rounding may change of the squared distance from a point, as a share: six operations. The middle of a box adds
 /// as much of the distance.
 inline constexpr float kSpeckRounding = 6 * 0x1p-24f;
-static_assert(0.87f * kSpeck + kSpeckRounding < 0.8e-6f && kSpeck + kSpeckRounding < kFrameError);
+static_assert(0.87f * kSpeck + kSpeckRounding < 0.9e-6f && kSpeck + kSpeckRounding < kFrameError);
 
 // Which triangles are set up for samples in float, and which in double. This decides bits, so the CPU, sixteen
 // triangles at a time, and the GPU, one, ask here.
