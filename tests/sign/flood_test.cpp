@@ -15,6 +15,7 @@
 #include "tests/sign/sides_of.h"
 #include "tests/sign/solid_soup.h"
 #include "tests/support/fields.h"
+#include "tests/support/sanitized.h"
 
 namespace standoff {
 namespace {
@@ -270,7 +271,7 @@ TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
     for (const RimEdge& rim : rims) {
       Mesh segment{{rim[0], rim[1], rim[1]}, {{0, 1, 2}}};
       double low = 0, high = 1;  // the distance along the edge is convex
-      for (int step = 0; step < 60; ++step) {
+      for (int step = 0; step < 40; ++step) {
         const double a = low + (high - low) / 3, b = high - (high - low) / 3;
         const double at_a = testing::reference_distance(segment, p + (q - p) * a),
                      at_b = testing::reference_distance(segment, p + (q - p) * b);
@@ -282,6 +283,7 @@ TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
   };
   std::int64_t wrong = 0, near = 0;
   testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
+    if (testing::kSanitized && (i + j + k) % 5 != 0) return;
     const std::size_t tile = lattice.index(i / 8, j / 8, k / 8);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Vec3 p = grid.position(i, j, k), q = grid.position(i + (axis == 0), j + (axis == 1), k + (axis == 2));
@@ -293,7 +295,7 @@ TEST(Flood, DistancesToRimsAreThoseOfBruteForce) {
     }
   });
   EXPECT_EQ(wrong, 0);
-  EXPECT_GT(near, 200);
+  EXPECT_GT(near, testing::kSanitized ? 40 : 200);
 }
 
 TEST(Flood, IsWhatAFloodFromSampleToSampleFinds) {
