@@ -92,10 +92,10 @@ inline bool is_thin(const Grid& grid, double thickness) { return is_thin(grid.ma
 inline constexpr float kSpeck = 6e-7f;
 inline constexpr float kSpeckSpacings = 16;  // grid units, so at most that many spacings
 inline constexpr double kLeastSpeckBand = 16;
-/// What rounding may change of the squared distance from a point, as a share: six operations. The middle of a box adds
-/// as much of the distance.
+/// What rounding may change of the squared distance from a point, as a share: six operations, half of which are a share
+/// of the distance. Rounding the box's corners and its middle adds a quarter of a millionth of the point's coordinates.
 inline constexpr float kSpeckRounding = 6 * 0x1p-24f;
-static_assert(0.87f * kSpeck + kSpeckRounding < 0.9e-6f && kSpeck + kSpeckRounding < kFrameError);
+static_assert(0.87f * kSpeck + kSpeckRounding / 2 + 0.25e-6f < 1e-6f && kSpeck + kSpeckRounding < kFrameError);
 
 // Which triangles are set up for samples in float, and which in double. This decides bits, so the CPU, sixteen
 // triangles at a time, and the GPU, one, ask here.

@@ -64,12 +64,12 @@ struct BandWork {
 
 BandAlgorithm band_algorithm(const Job& job) {
   if (!may_take_descent(job.grid, job.thickness)) return BandAlgorithm::bins;
-  if (!may_take_bins(job.grid, job.thickness)) return BandAlgorithm::descent;
   const Grid& grid = job.grid;
+  const std::int64_t triangles = job.triangle_count(), looks = std::min(triangles, kMostLooks);
+  if (!may_take_bins(triangles, grid, job.thickness)) return BandAlgorithm::descent;
   const Vec3 reach = Vec3{1, 1, 1} * job.thickness / grid.spacing;
   const Vec3 first{static_cast<double>(grid.first.x), static_cast<double>(grid.first.y),
                    static_cast<double>(grid.first.z)};
-  const std::int64_t triangles = job.triangle_count(), looks = std::min(triangles, kMostLooks);
   BandWork work;
   for (std::int64_t n = 0; n < looks; ++n) {
     std::array<Vec3, 3> p = job.mesh.corners(job.triangle(triangles * n / looks));

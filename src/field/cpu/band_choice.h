@@ -4,22 +4,34 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "field/backend.h"
+#include "field/lattice.h"
 #include "field/tolerances.h"
 
 namespace standoff::cpu {
 
 enum class BandAlgorithm { bins, descent };
 
-/// What needs no look at the triangles: up to the first thickness, in the smallest spacings, bins are always faster;
-/// beyond the second one, in the largest spacings, their lists would be long.
-inline constexpr double kAlwaysBins = 2.5, kNeverBins = 16;
+/// Whether the bins of all bricks may be held at once: there are at most so many bricks, or one for each triangle. The
+/// value is a choice: a grid of 1024 samples per axis has as many.
+inline constexpr std::int64_t kMostBricksHeld = std::int64_t{1} << 18;
+inline bool may_hold_bins(std::int64_t triangles, const Grid& grid) {
+  return brick_count(grid) <= std::max(kMostBricksHeld, triangles);
+}
+
+/// What needs no look at the triangles. Bins take bands up to the first thickness, in the smallest spacings. They take
+/// no band beyond the second one, in the largest spacings, and in between none of too many bricks.
+inline constexpr double kAlwaysBins = 4, kNeverBins = 16;
 static_assert(kNeverBins <= kLeastSpeckBand, "bins know no specks");
-inline bool may_take_bins(const Grid& grid, double thickness) { return thickness <= kNeverBins * grid.max_spacing(); }
 inline bool may_take_descent(const Grid& grid, double thickness) {
   const Vec3& h = grid.spacing;
   return thickness > kAlwaysBins * std::min({h.x, h.y, h.z});
+}
+inline bool may_take_bins(std::int64_t triangles, const Grid& grid, double thickness) {
+  return !may_take_descent(grid, thickness) ||
+         (thickness <= kNeverBins * grid.max_spacing() && may_hold_bins(triangles, grid));
 }
 
 /// The algorithm that takes less time for the job, by counts of what each would do for some of its triangles.

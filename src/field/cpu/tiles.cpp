@@ -135,10 +135,6 @@ class ThinBand final : public WindowGather {
   std::optional<Bins> bins_;
 };
 
-// The bins of all bricks are held for windows where there are at most so many bricks, or one for each triangle. The
-// value is a choice: a grid of 1024 samples per axis has as many.
-constexpr std::int64_t kMostBricksHeld = std::int64_t{1} << 18;
-
 std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, int threads) {
   return bins_scratch_bytes(mesh, lattice, most_refs(mesh.triangles), threads) +
          static_cast<std::int64_t>(sizeof(BrickState)) * threads;
@@ -150,8 +146,7 @@ std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattic
 // and with nodes that are larger than a few samples, it takes more than it saves.
 constexpr std::int64_t kManyNodes = 48;
 
-// Nodes longer than this share of their distance are looked at no further for specks: their triangles are some
-// hundredth as long.
+// Nodes longer than this share of their distance count as no specks: their triangles are some hundredth as long.
 constexpr float kSpeckNode = 0x1p-10f;
 
 // The memory of a thread.
@@ -233,15 +228,16 @@ class ThickBand final : public WindowGather {
   bool has_specks(const Brick& brick, const CellCandidates& own, TileWork& state) const {
     if (lattice_.speck == 0) return false;
     const CullCell samples = culling_.target(own.cell, {}).samples;
-    std::uint32_t some[kLanes];
+    std::uint32_t small[kLanes];
+    std::int64_t count = 0;
     for (std::int64_t n = 0; n < kLanes; ++n) {
       const std::int64_t at = n * own.list.size() / kLanes;
-      // Nodes that are too large tell at once.
-      if (own.list.longest_side(at) > kSpeckNode * (own.list.gap(at, samples) + kSpeckSpacings)) return false;
-      some[n] = culling_.bvh().first_triangle(own.list.entry(at));
+      if (own.list.longest_side(at) <= kSpeckNode * (own.list.gap(at, samples) + kSpeckSpacings))
+        small[count++] = culling_.bvh().first_triangle(own.list.entry(at));
     }
-    kernels_.load_specks(lattice_, brick, candidates_of(job_, some), state.specks);
-    return 2 * state.specks.others_count <= kLanes;
+    if (2 * count < kLanes) return false;
+    kernels_.load_specks(lattice_, brick, {memory_of(job_.mesh), small, count}, state.specks);
+    return 2 * (count - state.specks.others_count) >= kLanes;
   }
 
   // Gathers tiles of a brick whose candidates are specks. The lists of its tiles would hold nearly all of them: boxes
@@ -341,21 +337,13 @@ Counts run_tiles(const Job& job, Sink& sink) {
   return run_tiles_by(band_algorithm(job), job, sink);
 }
 
-namespace {
-
-bool may_hold_bins(std::int64_t triangles, const Grid& grid) {
-  return brick_count(grid) <= std::max(kMostBricksHeld, triangles);
-}
-
-}  // namespace
-
 bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness) {
   return may_take_descent(grid, thickness) || may_hold_bins(triangles, grid);
 }
 
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
   if (band_algorithm(job) == BandAlgorithm::descent) return std::make_unique<ThickBand>(job);
-  if (!may_hold_bins(static_cast<std::int64_t>(job.mesh.triangles.size()), job.grid)) return nullptr;
+  if (!may_hold_bins(job.triangle_count(), job.grid)) return nullptr;
   auto band = std::make_unique<ThinBand>(job);
   return band->has_bins() ? std::move(band) : nullptr;
 }
@@ -365,7 +353,7 @@ std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
   const BlockLattice lattice = make_block_lattice(grid, thickness);
   std::int64_t bytes = 0;
-  if (may_take_bins(grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, threads);
+  if (may_take_bins(mesh.triangles, grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, threads);
   if (may_take_descent(grid, thickness)) bytes = std::max(bytes, thick_scratch_bytes(mesh.triangles, lattice, threads));
   return bytes;
 }

@@ -9,7 +9,7 @@
 namespace standoff::testing {
 namespace {
 
-// Thicknesses in spacings: up to four, triangles are binned into bricks; beyond, they pass down from coarse cells.
+// Thicknesses in spacings: up to four, triangles are binned into bricks; beyond, as counts say (cpu/band_choice.h).
 void expect_exact_at_all_thicknesses(const Mesh& mesh, const Grid& grid) {
   expect_exact(mesh, grid, {0.5, 2, 3.9, 4.1, 8, kInfinity});
 }

@@ -168,14 +168,36 @@ TEST(TilesProperties, SubdividingTrianglesChangesNothingButRounding) {
   }
 }
 
-// The field by one of the two algorithms, whichever would be faster.
-DistanceField computed_by(cpu::BandAlgorithm algorithm, const Mesh& mesh, const Grid& grid, double thickness) {
+// The field by one of the two algorithms, whichever would be faster. `wanted`: as in Job.
+DistanceField computed_by(cpu::BandAlgorithm algorithm, const Mesh& mesh, const Grid& grid, double thickness,
+                          std::span<const std::uint8_t> wanted = {}) {
   DistanceField field;
   field.reset(grid, thickness, true);
   Sink sink(field);
   ProgressMeter progress;
-  cpu::run_tiles_by(algorithm, {mesh, {}, grid, thickness, 2, Simd::automatic, progress}, sink);
+  cpu::run_tiles_by(algorithm, {mesh, {}, grid, thickness, 2, Simd::automatic, progress, {}, wanted}, sink);
   return field;
+}
+
+// Of triangles of the size of samples, and of specks, which tiles gather in another way.
+TEST(TilesProperties, TilesThatAreWantedHaveAllTheirBits) {
+  Mesh specks = random_soup(45, 300, 1e-6, 1e-7);
+  add_triangle(specks, {9, 3, 12}, {9, 3, 12.1}, {9, 3.1, 12});
+  for (const Mesh& mesh : {random_soup(46, 300, 6, 0.6), specks}) {
+    const Size3 tiles = DistanceField::tiles_of(kPropertyGrid.size);
+    std::vector<std::uint8_t> wanted(static_cast<std::size_t>(tiles.count()));
+    Random random(47);
+    for (std::uint8_t& one : wanted) one = random.below(2) != 0;
+    for (const double thickness : {8.5, kInfinity}) {
+      const DistanceField all = computed_by(cpu::BandAlgorithm::descent, mesh, kPropertyGrid, thickness),
+                          some = computed_by(cpu::BandAlgorithm::descent, mesh, kPropertyGrid, thickness, wanted);
+      for_each_sample(kPropertyGrid, [&](auto i, auto j, auto k) {
+        if (wanted[static_cast<std::size_t>(i / 8 + tiles.x * (j / 8 + tiles.y * (k / 8)))] == 0) return;
+        ASSERT_EQ(some.value(i, j, k), all.value(i, j, k));
+        ASSERT_EQ(some.nearest(i, j, k), all.nearest(i, j, k));
+      });
+    }
+  }
 }
 
 TEST(TilesProperties, BothAlgorithmsGiveTheSameBitsAtAnyThickness) {
