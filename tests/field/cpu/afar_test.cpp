@@ -7,8 +7,10 @@
 #include <string>
 
 #include "field/lattice.h"
+#include "tests/support/changed_mesh.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
 namespace {
@@ -132,6 +134,20 @@ TEST(TilesAfar, FewOfManySpecksAreMeasured) {
   add_ball(mesh, 11, 20000, {1, 2, 0.5}, 3e-4);
   const ComputeReport report = computed(mesh, kAfarGrid, kInfinity).report;
   EXPECT_LT(report.samples_examined, 6000 * kAfarGrid.sample_count());
+}
+
+TEST(TilesAfar, FewLargerTrianglesLeaveSpecksSpecks) {
+  // If a brick gives up specks for one larger triangle, 40 times as many distances are computed.
+  const Vec3 middle{40.3, -20, 30.7};
+  Mesh mesh = moved(welded_ball(3e-4, 75), middle);
+  Random random(17);
+  const auto corner = [&] { return middle + random.in_cube(0.05); };
+  for (int n = 0; n < 2; ++n) {
+    const Vec3 a = corner(), b = corner();
+    add_triangle(mesh, a, b, corner());
+  }
+  const Grid grid{{32, 32, 32}, {0, 0, 0}, {1, 1, 1}};
+  EXPECT_LT(computed(mesh, grid, kInfinity).report.samples_examined, 5000 * grid.sample_count());
 }
 
 TEST(TilesAfar, ThickBandsOfSpecksAndAnyOrder) {
