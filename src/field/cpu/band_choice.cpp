@@ -67,6 +67,8 @@ BandAlgorithm band_algorithm(const Job& job) {
   const Grid& grid = job.grid;
   const std::int64_t triangles = job.triangle_count(), looks = std::min(triangles, kMostLooks);
   if (!may_take_bins(triangles, grid, job.thickness)) return BandAlgorithm::descent;
+  // Of a brick, bins gather all tiles, wanted or not.
+  if (!job.wanted.empty()) return BandAlgorithm::descent;
   const Vec3 reach = Vec3{1, 1, 1} * job.thickness / grid.spacing;
   const Vec3 first{static_cast<double>(grid.first.x), static_cast<double>(grid.first.y),
                    static_cast<double>(grid.first.z)};
