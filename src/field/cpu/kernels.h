@@ -191,17 +191,17 @@ struct SpeckTable {
   alignas(64) std::uint32_t others[kMost + kLanes];  ///< triangles that are no specks
   int others_count;
 
-  /// The specks nearest to the corners of the brick, of all tables so far.
+  /// The specks nearest to the corners of a box around samples.
   struct Nearest {
     float at[8][3];
     float distance_sq[8];
-  };
-  Nearest nearest;
-  std::uint16_t places[kMost];  ///< one more than the number of a point, by a hash of its coordinates
 
-  void forget_nearest() {
-    for (float& sq : nearest.distance_sq) sq = __builtin_inff();
-  }
+    void forget() {
+      for (float& sq : distance_sq) sq = __builtin_inff();
+    }
+  };
+  Nearest nearest;              ///< to the corners of the brick, of all tables so far
+  std::uint16_t places[kMost];  ///< one more than the number of a point, by a hash of its coordinates
 };
 
 /// The squared distances of one brick while triangles are gathered into it; one per thread.

@@ -248,7 +248,7 @@ class ThickBand final : public WindowGather {
     unsigned numbers = 0;
     for (const Cell& tile : tiles) numbers |= 1u << tile_in(own.cell, tile);
     culling_.narrow(own.list.arrays(), target, std::numeric_limits<float>::infinity(), lists.tile, lists.nodes);
-    state.specks.forget_nearest();
+    state.specks.nearest.forget();
     while (culling_.next_part(target, lists.tile, lists)) {
       take_triangles(lists.part.arrays(), lists);
       for (std::span left(lists.triangles); !left.empty();) {

@@ -192,11 +192,11 @@ void gather_specks(const BlockLattice& lattice, unsigned tiles, SpeckTable& tabl
     const int tile = __builtin_ctz(tiles);
     const SampleBox box =
         box_of_samples(lattice, {(tile & 1) * kSide, (tile >> 1 & 1) * kSide, (tile >> 2) * kSide}, kSide);
-    // Any points will do; the brick's bound the distances where its tables before had nearer points.
-    SpeckTable::Nearest nearest = table.nearest;
-    for (float& sq : nearest.distance_sq) sq = __builtin_inff();
+    SpeckTable::Nearest nearest;
+    nearest.forget();
     find_nearest(table.brick, box, nearest);
     keep_specks(table.brick, box, nearest, table.tile);
+    // Tables before this one may have had nearer specks.
     keep_specks(table.tile, box, table.nearest, table.tile);
     measure_specks<kNearest>(lattice, table.tile, tile, state);
   }
