@@ -219,7 +219,7 @@ TEST(MeshReport, BodiesOfFacesThatAreCutOtherwise) {
   const MeshReport found = report(box_of_t_junctions({0, 0, 0}, {2, 1, 1}, 3));
   EXPECT_EQ(found.boundary_loops, 1);
   EXPECT_NEAR(found.cap_share, 0, 1e-12);
-  EXPECT_NEAR(found.openness, 0, 1e-12);
+  EXPECT_NEAR(found.openness, 0, 1e-6);
   EXPECT_NEAR(found.volume, 2, 1e-12);
   EXPECT_EQ(found.method, SignMethod::winding);
 }

@@ -4,7 +4,9 @@
 // sums of winding numbers along rows; and negation.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "standoff/execution.h"
 #include "standoff/sign.h"
@@ -85,6 +87,20 @@ struct AngleTriangles {
 /// turns.
 struct AngleSums {
   float re[AngleTriangles::kLanes], im[AngleTriangles::kLanes], around[AngleTriangles::kLanes];
+
+  /// No triangle.
+  static AngleSums none() {
+    AngleSums sums{};
+    for (float& re : sums.re) re = 1;
+    return sums;
+  }
+  /// The sum in full turns.
+  double turns() const {
+    double sum = 0;
+    for (int n = 0; n < AngleTriangles::kLanes; ++n)
+      sum += double{around[n]} + std::atan2(double{im[n]}, double{re[n]}) / (2 * std::numbers::pi);
+    return sum;
+  }
 };
 
 /// Triangles that are added together.

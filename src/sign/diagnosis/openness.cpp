@@ -3,22 +3,25 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
 #include <span>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/hashes.h"
+#include "sign/cpu/kernels.h"
 #include "sign/diagnosis/disjoint_sets.h"
 #include "sign/diagnosis/mesh_edges.h"
+#include "simd/dispatch.h"
 #include "standoff/mesh.h"
 
 namespace standoff {
@@ -62,46 +65,96 @@ std::vector<WeightedPoint> points_on(const OrientedMesh& mesh, std::size_t most)
   return points;
 }
 
-// The cone over the boundary.
+// The triangles between the boundary and an apex, seen from several points.
 class Cone {
  public:
+  static constexpr std::size_t kMostPoints = 8;
+
   // Puts the apex outside the bounds, and in no plane or line with corners on a lattice.
   Cone(const Boundary& boundary, const Box& bounds)
       : edges_(boundary.edges),
-        apex_(bounds.center() + Vec3{0.7548776662, 0.5698402910, 0.6180339887} * bounds.longest_side()) {}
+        apex_(bounds.center() + Vec3{0.7548776662, 0.5698402910, 0.6180339887} * bounds.longest_side()),
+        center_(bounds.center()),
+        scale_(1 / bounds.longest_side()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) apex_of_all_[axis].fill(scaled(apex_)[axis]);
+  }
 
-  // Half the solid angle of a triangle is the argument of a complex number (van Oosterom and Strackee 1983). So half
-  // the sum of all is the argument of their product, modulo 2 pi, which is a winding number of 1. Edges through the
-  // point count as 0.
-  double winding_modulo_1(const Vec3& point) const {
-    const Vec3 to_apex = unit(apex_ - point);
-    double x = 1, y = 0;
-    for (const BoundaryEdge& edge : edges_) {
-      const Vec3 a = unit(edge.to - point), b = unit(edge.from - point);
-      double u = 1 + dot(a, b) + dot(b, to_apex) + dot(to_apex, a), v = dot(to_apex, cross(a, b));
-      if (edge.weight > 1) {
-        const double angle = std::atan2(v, u) * edge.weight;
-        u = std::cos(angle);
-        v = std::sin(angle);
-      }
-      const double real = x * u - y * v, imaginary = x * v + y * u;
-      const double magnitude_sq = real * real + imaginary * imaginary;
-      if (!(magnitude_sq > 1e-28)) continue;
-      const double scale = 1 / std::sqrt(magnitude_sq);
-      x = real * scale;
-      y = imaginary * scale;
+  // Multiplies the weights of at most kMostPoints points by the cone's winding number there, less the nearest integer.
+  void weigh(std::span<WeightedPoint> points) const {
+    std::array<Sum, kMostPoints> sums;
+    Edges some;
+    for (std::size_t first = 0; first < edges_.size(); first += kChunk) {
+      const std::span<const BoundaryEdge> edges =
+          std::span(edges_).subspan(first, std::min(kChunk, edges_.size() - first));
+      load(edges, some);
+      for (std::size_t n = 0; n < points.size(); ++n) add(edges, some, points[n].at, sums[n]);
     }
-    return std::atan2(y, x) / (2 * std::numbers::pi);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const double turns = sums[n].exact + sums[n].angles.turns();
+      points[n].weight *= turns - std::nearbyint(turns);
+    }
   }
 
  private:
+  static constexpr std::size_t kChunk = cpu::AngleChunk::kMost;
+  using Floats = std::array<float, kChunk + cpu::AngleTriangles::kLanes>;
+
+  // The edges' ends, relative to the center.
+  struct Edges {
+    std::array<Floats, 3> to, from;
+  };
+  struct Sum {
+    cpu::AngleSums angles = cpu::AngleSums::none();
+    double exact = 0;  // of triangles that are summed up one by one, in full turns
+  };
+
+  std::array<float, 3> scaled(const Vec3& p) const {
+    const Vec3 local = (p - center_) * scale_;
+    return {static_cast<float>(local.x), static_cast<float>(local.y), static_cast<float>(local.z)};
+  }
+
+  void load(std::span<const BoundaryEdge> edges, Edges& some) const {
+    for (std::size_t n = 0; n < edges.size(); ++n) {
+      const auto to = scaled(edges[n].to), from = scaled(edges[n].from);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        some.to[axis][n] = to[axis];
+        some.from[axis][n] = from[axis];
+      }
+    }
+  }
+
+  void add(std::span<const BoundaryEdge> edges, const Edges& some, const Vec3& point, Sum& sum) const {
+    cpu::AngleTriangles triangles;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      triangles.corner[0][axis] = apex_of_all_[axis].data();
+      triangles.corner[1][axis] = some.to[axis].data();
+      triangles.corner[2][axis] = some.from[axis].data();
+    }
+    cpu::AngleChunk chunk;
+    kernels_.add_solid_angles(triangles, 0, static_cast<int>(edges.size()), scaled(point).data(), cpu::kLeastLength,
+                              sum.angles, chunk);
+    for (int n = 0; n < chunk.left_count; ++n) sum.exact += turns_of(edges[chunk.left[n]], point);
+    for (const BoundaryEdge& edge : edges)
+      if (edge.weight > 1) sum.exact += (edge.weight - 1) * turns_of(edge, point);
+  }
+
+  // Half the solid angle of a triangle is the argument of a complex number (van Oosterom and Strackee 1983). Edges
+  // through the point count as 0.
+  double turns_of(const BoundaryEdge& edge, const Vec3& point) const {
+    const Vec3 to_apex = unit(apex_ - point), a = unit(edge.to - point), b = unit(edge.from - point);
+    const double x = 1 + dot(a, b) + dot(b, to_apex) + dot(to_apex, a), y = dot(to_apex, cross(a, b));
+    return x * x + y * y > 1e-28 ? std::atan2(y, x) / (2 * std::numbers::pi) : 0;
+  }
   static Vec3 unit(const Vec3& v) {
     const double norm = length(v);
     return norm > 0 ? v * (1 / norm) : Vec3{};
   }
 
   const std::vector<BoundaryEdge>& edges_;
-  Vec3 apex_;
+  Vec3 apex_, center_;
+  double scale_;  // the mesh extends to 1/2 from the center
+  std::array<Floats, 3> apex_of_all_;
+  const cpu::SignKernels& kernels_ = dispatch_of<cpu::SignKernels>().best();
 };
 
 }  // namespace
@@ -113,11 +166,11 @@ double openness_of(const OrientedMesh& mesh, const Boundary& boundary) {
   const Cone cone(boundary, bounds(mesh.mesh));
   double weights = 0, sum = 0;
   for (const WeightedPoint& point : points) weights += point.weight;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
-    for (std::size_t n = range.begin(); n != range.end(); ++n)
-      points[n].weight *= 2 * std::abs(cone.winding_modulo_1(points[n].at));
-  });
-  for (const WeightedPoint& point : points) sum += point.weight;
+  const tbb::blocked_range<std::size_t> all(0, points.size(), Cone::kMostPoints);
+  tbb::parallel_for(
+      all, [&](const auto& range) { cone.weigh(std::span(points).subspan(range.begin(), range.size())); },
+      tbb::simple_partitioner());
+  for (const WeightedPoint& point : points) sum += 2 * std::abs(point.weight);
   return weights > 0 ? sum / weights : 0;
 }
 
@@ -179,16 +232,15 @@ OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
 // in the eight cells at its nearest corner.
 DisjointSets welded_points(std::span<const Vec3> points, const Vec3& origin, double width) {
   using Cell = std::array<std::int64_t, 3>;
-  struct Hash {
-    std::size_t operator()(const Cell& c) const {
-      return splitmix64(splitmix64(splitmix64(static_cast<std::uint64_t>(c[0])) ^ static_cast<std::uint64_t>(c[1])) ^
-                        static_cast<std::uint64_t>(c[2]));
-    }
+  // Cells of the same slot share a list: their points are too far from each other to be joined.
+  std::vector<std::uint32_t> last(std::bit_ceil(2 * points.size()), kNoPoint), before(points.size(), kNoPoint);
+  const auto last_of = [&](const Cell& c) -> std::uint32_t& {
+    std::uint64_t hash = 0;
+    for (const std::int64_t along : c) hash = splitmix64(hash ^ static_cast<std::uint64_t>(along));
+    return last[hash & (last.size() - 1)];
   };
   // A crowded cell is searched no further; what is missed stays open.
   constexpr int kMostCompared = 64;
-  std::unordered_map<Cell, std::uint32_t, Hash> last;
-  std::vector<std::uint32_t> before(points.size(), kNoPoint);
   DisjointSets sets(points.size());
   for (std::uint32_t n = 0; n < points.size(); ++n) {
     const Vec3 at = (points[n] - origin) * (0.5 / width);
@@ -200,15 +252,11 @@ DisjointSets welded_points(std::span<const Vec3> points, const Vec3& origin, dou
       Cell cell = own;
       for (std::size_t axis = 0; axis < 3; ++axis)
         if ((corner >> axis & 1) != 0) cell[axis] += step[axis];
-      const auto found = last.find(cell);
-      if (found == last.end()) continue;
       int compared = 0;
-      for (std::uint32_t m = found->second; m != kNoPoint && compared < kMostCompared; m = before[m], ++compared)
+      for (std::uint32_t m = last_of(cell); m != kNoPoint && compared < kMostCompared; m = before[m], ++compared)
         if (length(points[m] - points[n]) <= width) sets.join(n, m);
     }
-    std::uint32_t& head = last.try_emplace(own, kNoPoint).first->second;
-    before[n] = head;
-    head = n;
+    before[n] = std::exchange(last_of(own), n);
   }
   return sets;
 }

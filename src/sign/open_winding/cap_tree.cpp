@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/open_winding/cap_tree.h"
-#include "simd/dispatch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +26,7 @@ void add_outer(Skew& skew, const Vec3& a, const Vec3& b) {
 
 void finish(Moments& caps) {
   caps.radius *= 1 + 1e-12;
-  const double near = caps.radius + std::sqrt(std::sqrt(3 * caps.inertia / kFieldTolerance));
-  caps.near_sq = near * near;
+  caps.error_reach = std::sqrt(std::sqrt(3 * caps.inertia));
   const double third = (caps.skew[0] + caps.skew[1] + caps.skew[2]) / 3;
   for (std::size_t n = 0; n < 3; ++n) caps.skew[n] -= third;
   const Skew& s = caps.skew;
@@ -90,20 +88,29 @@ Moments joined(const Moments& a, const Moments& b) {
 
 }  // namespace
 
-bool add_far_field(const Moments& caps, const Cell& cell, double tolerance, LinearField& sum) {
+bool add_far_field(const Moments& caps, const Cell& cell, const FieldTolerance& tolerance, LinearField& sum) {
   // docs/open_winding.md derives these bounds.
   const double d_sq = cell.distance_sq(caps.center);
-  if (!(d_sq > caps.near_sq)) return false;
+  if (tolerance.is_near(caps, d_sq)) return false;
   const double d = std::sqrt(d_sq), gap = d - caps.radius, gap_sq = gap * gap;
   const double error = 3 * caps.inertia / (gap_sq * gap_sq) +
                        cell.radius * cell.radius * (3 * caps.area_norm + 12 * caps.skew_norm / d) / (d_sq * d_sq);
-  if (!(error <= tolerance)) return false;
+  if (!(error <= tolerance.in_cell())) return false;
   const Vec3 r = caps.center - cell.center, skew_r = times(caps.skew, r);
   const double i2 = 1 / dot(r, r), i3 = i2 * std::sqrt(i2), area_r = dot(caps.area, r), r_skew_r = dot(r, skew_r);
   sum.value += i3 * (area_r - 3 * i2 * r_skew_r);
   sum.gradient = sum.gradient + (r * (3 * i2 * (area_r - 5 * i2 * r_skew_r)) - caps.area + skew_r * (6 * i2)) * i3;
   sum.error += error;
   return true;
+}
+
+std::optional<Interval> far_field_at(const Moments& caps, const Vec3& p, const FieldTolerance& tolerance) {
+  const Vec3 r = caps.center - p;
+  const double d_sq = dot(r, r);
+  if (tolerance.is_near(caps, d_sq)) return {};
+  const double i1 = 1 / std::sqrt(d_sq), i2 = i1 * i1, nearness = caps.error_reach / (d_sq * i1 - caps.radius),
+               nearness_sq = nearness * nearness;
+  return Interval{i1 * i2 * (dot(caps.area, r) - 3 * i2 * dot(r, times(caps.skew, r))), nearness_sq * nearness_sq};
 }
 
 double bound_of_field(const Moments& caps, const Cell& cell) {
@@ -154,8 +161,8 @@ void RimTree::build(std::span<std::int32_t> rims, std::span<const Moments> momen
 namespace {
 
 // Adds near caps first: they cause most of the error, and beyond `most` nothing more is added.
-void add_fields(const Rims& rims, const RimTree& tree, std::int32_t number, const Cell& cell, double tolerance,
-                double most, WorkCheck& check, LinearField& sum) {
+void add_fields(const Rims& rims, const RimTree& tree, std::int32_t number, const Cell& cell,
+                const FieldTolerance& tolerance, double most, WorkCheck& check, LinearField& sum) {
   check.add(1);
   const RimTree::Node& node = tree[number];
   if (!(sum.error <= most) || add_far_field(node.caps, cell, tolerance, sum)) return;
@@ -189,161 +196,12 @@ Interval cap_sum_at(const Rims& rims, const RimTree& tree, const Vec3& p, double
   return sum;
 }
 
-LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, double tolerance, double most,
-                       WorkCheck& check) {
+LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, const FieldTolerance& tolerance,
+                       double most, WorkCheck& check) {
   LinearField sum;
   sum.center = cell.center;
   if (!tree.nodes().empty()) add_fields(rims, tree, 0, cell, tolerance, most, check, sum);
   return sum;
-}
-
-// The sum of all caps in float.
-
-namespace {
-
-using cpu::AngleChunk;
-using cpu::AngleTriangles;
-
-// Nodes of so few triangles are not opened: to sum up their angles is quicker.
-constexpr std::int32_t kFewTriangles = AngleChunk::kMost;
-
-}  // namespace
-
-struct QuickAngles::Sum {
-  Vec3 p;
-  std::array<float, 3> local;
-  double coordinates;  // bounds the scaled coordinates of triangles and point together
-  double tolerance;
-  NodeStack& stack;
-  cpu::AngleSums angles;
-  LinearField far;
-  Interval exact{0, 0};  // the sum of rims that are summed up one by one
-  double error = 0;      // of the angles, in full turns
-};
-
-QuickAngles::QuickAngles(const Rims& rims, const RimTree& tree, ProgressMeter& progress)
-    : rims_(rims), tree_(tree), kernels_(dispatch_of<cpu::SignKernels>().best()) {
-  Box box;
-  std::size_t triangles = 0;
-  for (std::size_t n = 0; n < rims.size(); ++n) {
-    box.include(rims[n].apex);
-    for (const Vec3& corner : rims[n].corners) box.include(corner);
-    if (rims[n].weight == 1) triangles += rims[n].corners.size() == 3 ? 1 : rims[n].corners.size();
-  }
-  sources_.reserve(triangles);
-  for (auto& corner : corners_)
-    for (std::vector<float>& axis : corner) axis.reserve(triangles + AngleTriangles::kLanes);
-  if (rims.size() > 0) center_ = box.center();
-  const double reach = rims.size() > 0 ? max_norm(box.max - center_) : 0;
-  if (reach > 0 && std::isfinite(reach)) scale_ = std::ldexp(1.0, -std::ilogb(reach) - 1);
-  extent_ = reach * scale_;
-
-  WorkCheck check(progress, 1 << 16);
-  ranges_.resize(tree.nodes().size());
-  const auto past = [&] { return static_cast<std::int32_t>(sources_.size()); };
-  const auto past_weighted = [&] { return static_cast<std::int32_t>(weighted_.size()); };
-  for (std::size_t n = 0; n < ranges_.size(); ++n) {
-    check.add(1);
-    Range& range = ranges_[n];
-    range.first_triangle = past();
-    range.first_weighted = past_weighted();
-    const RimTree::Node& node = tree.nodes()[n];
-    if (!node.is_leaf()) continue;
-    const Rim rim = rims[static_cast<std::size_t>(node.rim)];
-    const std::size_t size = rim.corners.size();
-    if (rim.weight != 1) {
-      weighted_.push_back(node.rim);
-    } else if (size == 3) {
-      add_triangle(rim.corners[0], rim.corners[1], rim.corners[2], {node.rim, -1});
-    } else {
-      for (std::size_t edge = 0; edge < size; ++edge)
-        add_triangle(rim.apex, rim.corners[edge], rim.corners[(edge + 1) % size],
-                     {node.rim, static_cast<std::int32_t>(edge)});
-    }
-    range.past_triangle = past();
-    range.past_weighted = past_weighted();
-  }
-  for (std::size_t n = ranges_.size(); n > 0; --n)
-    if (const RimTree::Node& node = tree.nodes()[n - 1]; !node.is_leaf()) {
-      const Range& last = ranges_[static_cast<std::size_t>(node.right)];
-      ranges_[n - 1].past_triangle = last.past_triangle;
-      ranges_[n - 1].past_weighted = last.past_weighted;
-    }
-  for (auto& corner : corners_)
-    for (std::vector<float>& axis : corner) axis.resize(axis.size() + AngleTriangles::kLanes);
-}
-
-void QuickAngles::add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Source& source) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 local = ((k == 0 ? a : k == 1 ? b : c) - center_) * scale_;
-    corners_[k][0].push_back(static_cast<float>(local.x));
-    corners_[k][1].push_back(static_cast<float>(local.y));
-    corners_[k][2].push_back(static_cast<float>(local.z));
-  }
-  sources_.push_back(source);
-}
-
-std::optional<Interval> QuickAngles::at(const Vec3& p, double tolerance, NodeStack& stack) const {
-  constexpr double kFarthest = 0x1p20;  // products of three lengths are far within the range of float
-  const Vec3 local = (p - center_) * scale_;
-  if (!(max_norm(local) < kFarthest) || tree_.nodes().empty()) return std::nullopt;
-  Sum sum{p,
-          {static_cast<float>(local.x), static_cast<float>(local.y), static_cast<float>(local.z)},
-          extent_ + max_norm(local),
-          tolerance,
-          stack,
-          {},
-          {},
-          {0, 0},
-          0};
-  std::ranges::fill(sum.angles.re, 1.0f);
-  std::ranges::fill(sum.angles.im, 0.0f);
-  std::ranges::fill(sum.angles.around, 0.0f);
-  sum.far.center = p;
-  add(0, sum);
-  double turns = 0;
-  for (std::size_t n = 0; n < AngleTriangles::kLanes; ++n)
-    turns += double{sum.angles.around[n]} +
-             std::atan2(double{sum.angles.im[n]}, double{sum.angles.re[n]}) / (2 * std::numbers::pi);
-  return Interval{turns + sum.exact.value + sum.far.value, sum.error + sum.exact.error + sum.far.error + 1e-12};
-}
-
-void QuickAngles::add(std::int32_t number, Sum& sum) const {
-  sum.stack.count(1);
-  const RimTree::Node& node = tree_[number];
-  if (add_far_field(node.caps, {sum.p, {}, 0}, sum.tolerance, sum.far)) return;
-  const Range& range = ranges_[static_cast<std::size_t>(number)];
-  if (node.is_leaf() || range.size() <= kFewTriangles) return add_angles(range, sum);
-  add(number + 1, sum);
-  add(node.right, sum);
-}
-
-void QuickAngles::add_angles(const Range& range, Sum& sum) const {
-  const auto add_exactly = [&](const CapAngle& angle) {
-    sum.exact.value += angle.value;
-    sum.exact.error += angle.error;
-  };
-  for (std::int32_t n = range.first_weighted; n < range.past_weighted; ++n)
-    add_exactly(cap_angle(rims_[static_cast<std::size_t>(weighted_[static_cast<std::size_t>(n)])], sum.p));
-  AngleTriangles triangles;
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t axis = 0; axis < 3; ++axis) triangles.corner[k][axis] = corners_[k][axis].data();
-  const auto least_length = static_cast<float>(cpu::kLeastLength * sum.coordinates);
-  for (std::int32_t first = range.first_triangle; first < range.past_triangle; first += AngleChunk::kMost) {
-    const int count = std::min<int>(AngleChunk::kMost, range.past_triangle - first);
-    sum.stack.count(static_cast<std::size_t>(count / 8));
-    AngleChunk chunk;
-    kernels_.add_solid_angles(triangles, first, count, sum.local.data(), least_length, sum.angles, chunk);
-    if (chunk.left_count < count)
-      sum.error += (count - chunk.left_count) / (2 * std::numbers::pi) *
-                   cpu::angle_error(sum.coordinates, chunk.least_length, std::sqrt(chunk.least_sq));
-    for (int n = 0; n < chunk.left_count; ++n) {
-      const Source& source = sources_[static_cast<std::size_t>(first) + chunk.left[n]];
-      const Rim rim = rims_[static_cast<std::size_t>(source.rim)];
-      add_exactly(source.edge < 0 ? cap_angle(rim, sum.p)
-                                  : edge_angle(rim, static_cast<std::size_t>(source.edge), sum.p));
-    }
-  }
 }
 
 }  // namespace standoff

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rims in a tree of balls, so that many far caps count as one; and the sum of all caps' angles at a point or in a
-// cell, by solid angles in double, or in float, sixteen at once.
+// cell, in double.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -12,7 +14,6 @@
 
 #include "core/progress.h"
 #include "core/threads.h"
-#include "sign/cpu/kernels.h"
 #include "sign/open_winding/caps.h"
 
 namespace standoff {
@@ -20,25 +21,56 @@ namespace standoff {
 /// The far field of caps: the first terms of the winding number's expansion about a point, which are sums over the
 /// caps' areas. All are divided by 4 pi, and multiplied by the rims' weights.
 struct Moments {
-  Vec3 center;        ///< the centroid of the areas
-  double radius = 0;  ///< of a ball around the center that contains all caps
-  Vec3 area;          ///< the sum of the areas' normals
+  Vec3 center;             ///< the centroid of the areas
+  double radius = 0;       ///< of a ball around the center that contains all caps
+  double error_reach = 0;  ///< the fourth root of 3 inertia: the field is off by (error_reach / (distance - radius))^4
+  Vec3 area;               ///< the sum of the areas' normals
   /// The sum of normal (x) (position - center): its symmetric part without trace, xx, yy, zz, xy, yz, zx.
   std::array<double, 6> skew = {};
   double area_norm = 0, skew_norm = 0;  ///< bound area, and the sum of skew's singular values
   double total = 0;                     ///< the sum of the areas' sizes
   double inertia = 0;                   ///< the integral of the squared distance from the center over the areas
-  double near_sq = 0;                   ///< at a smaller squared distance, the field misses kFieldTolerance
 };
 
 /// A field of caps is used if its error in a cell is at most this. Some hundred of them may add up.
 inline constexpr double kFieldTolerance = 1e-3;
+
+/// When the field of caps is used in a cell.
+class FieldTolerance {
+ public:
+  /// If its error at all points of the cell is at most `error`.
+  FieldTolerance(double error) : FieldTolerance(error, error) {}
+  /// If its error at the cell's center is at most `error`. The error elsewhere is that of a linear function, which
+  /// smaller groups of caps have as well.
+  static FieldTolerance of_center(double error) { return {error, std::numeric_limits<double>::infinity()}; }
+
+  double in_cell() const { return in_cell_; }
+  /// Whether the error at the center is too large at this distance, or the caps are not farther than their radius.
+  bool is_near(const Moments& caps, double distance_sq) const {
+    const double near = caps.radius + caps.error_reach * reach_;
+    return !(distance_sq > near * near);
+  }
+
+ private:
+  FieldTolerance(double at_center, double in_cell) : reach_(1 / std::sqrt(std::sqrt(at_center))), in_cell_(in_cell) {}
+
+  double reach_, in_cell_;
+};
+
 /// Bounds the rounding of a winding number that is the sum of integer windings, angles and fields up to some thousands.
 inline constexpr double kWindingRounding = 1e-12;
 
-/// Adds the caps' field in the cell to `sum` if its error there is at most `tolerance`; returns whether it did.
-/// Requires that `sum` has the cell's center, and tolerance <= kFieldTolerance.
-bool add_far_field(const Moments& caps, const Cell& cell, double tolerance, LinearField& sum);
+/// Adds the caps' field in the cell to `sum` if the tolerance allows it; returns whether it did. Requires that `sum`
+/// has the cell's center.
+bool add_far_field(const Moments& caps, const Cell& cell, const FieldTolerance& tolerance, LinearField& sum);
+
+/// A part of the winding number, and a bound of its error.
+struct Interval {
+  double value, error;
+};
+
+/// The caps' field at a point, if the tolerance allows it.
+std::optional<Interval> far_field_at(const Moments& caps, const Vec3& p, const FieldTolerance& tolerance);
 
 /// The most that the caps may add anywhere in the cell, whatever their directions. Infinite if they are near.
 double bound_of_field(const Moments& caps, const Cell& cell);
@@ -115,22 +147,47 @@ class NodeStack {
     return sum;
   }
 
-  /// Adds the fields of nodes of `part` whose error in the cell is at most `tolerance`, and returns the others, on top
-  /// of the stack. Opens nodes that are not smaller than `open_above`: with 0, all others are leaves.
-  Part add_far(Part part, const Cell& cell, double tolerance, double open_above, LinearField& sum) {
+  /// Adds the fields of nodes of `part` that the tolerance allows, and returns the others, on top of the stack. Opens
+  /// nodes that are not smaller than `open_above`: with 0, all others are leaves.
+  Part add_far(Part part, const Cell& cell, const FieldTolerance& tolerance, double open_above, LinearField& sum) {
     const std::size_t begin = nodes_.size();
     for (std::size_t n = part.begin; n < part.end; ++n) add_far(nodes_[n], cell, tolerance, open_above, sum);
     return {begin, nodes_.size()};
   }
 
+  /// The same with all others opened: nothing, and no more nodes than before, if they are more than `most`, or if the
+  /// error of the fields is more than 1/2.
+  std::optional<Part> add_far_up_to(std::size_t most, Part part, const Cell& cell, const FieldTolerance& tolerance,
+                                    LinearField& sum) {
+    const std::size_t begin = nodes_.size();
+    for (std::size_t n = part.begin; n < part.end; ++n)
+      if (!add_far_up_to(begin + most, nodes_[n], cell, tolerance, sum)) {
+        nodes_.resize(begin);
+        return {};
+      }
+    return Part{begin, nodes_.size()};
+  }
+
  private:
-  void add_far(std::int32_t node, const Cell& cell, double tolerance, double open_above, LinearField& sum) {
+  void add_far(std::int32_t node, const Cell& cell, const FieldTolerance& tolerance, double open_above,
+               LinearField& sum) {
     count(1);
     const RimTree::Node& caps = tree_[node];
     if (add_far_field(caps.caps, cell, tolerance, sum)) return;
     if (caps.is_leaf() || caps.caps.radius < open_above) return nodes_.push_back(node);
     add_far(node + 1, cell, tolerance, open_above, sum);
     add_far(caps.right, cell, tolerance, open_above, sum);
+  }
+  bool add_far_up_to(std::size_t most_nodes, std::int32_t node, const Cell& cell, const FieldTolerance& tolerance,
+                     LinearField& sum) {
+    count(1);
+    const RimTree::Node& caps = tree_[node];
+    if (add_far_field(caps.caps, cell, tolerance, sum)) return sum.error <= 0.5;
+    if (!caps.is_leaf())
+      return add_far_up_to(most_nodes, node + 1, cell, tolerance, sum) &&
+             add_far_up_to(most_nodes, caps.right, cell, tolerance, sum);
+    nodes_.push_back(node);
+    return nodes_.size() <= most_nodes;
   }
 
   const RimTree& tree_;
@@ -139,63 +196,18 @@ class NodeStack {
   std::vector<std::int32_t>& nodes_ = *kept_;
 };
 
-/// A part of the winding number, and a bound of its error.
-struct Interval {
-  double value, error;
-};
-
 /// The sum of all caps' angles at a point. Uses fields of far caps whose error is at most `tolerance`; with 0, only
 /// rounding is left.
 Interval cap_sum_at(const Rims& rims, const RimTree& tree, const Vec3& p, double tolerance, NodeStack& stack);
 
 /// The sum as a linear function in a cell; each part is continued across its caps if the cell contains them. Uses
-/// fields of far caps whose error is at most `tolerance`, at most kFieldTolerance. The error is infinite, or any number
-/// above `most`, if an edge of a rim is near, or if the error cannot be made smaller.
-LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, double tolerance, double most,
-                       WorkCheck& check);
+/// fields of far caps that the tolerance allows. The error is infinite, or any number above `most`, if an edge of a rim
+/// is near, or if the error cannot be made smaller.
+LinearField cap_sum_in(const Rims& rims, const RimTree& tree, const Cell& cell, const FieldTolerance& tolerance,
+                       double most, WorkCheck& check);
 
 /// Adds the angles of the caps of these nodes, all leaves, to `sum`.
 Interval add_angles(const Rims& rims, const RimTree& tree, const Vec3& p, NodeStack& stack, NodeStack::Part leaves,
                     Interval sum);
-
-/// The sum of all caps' angles at a point, nearly exact: far caps by their fields, near ones by solid angles in float.
-/// A mesh of very many loose triangles has a rim for each, and few of them are far: then to sum up all is quicker than
-/// to search for far ones.
-class QuickAngles {
- public:
-  /// Rims and tree must stay where they are. Throws Error{interrupted}.
-  QuickAngles(const Rims& rims, const RimTree& tree, ProgressMeter& progress);
-
-  /// The result of cap_sum_at(), certain to be within the error too. The error is about 1e-7 larger per near rim.
-  /// Nothing if the point is too far away for float. The stack counts the work.
-  std::optional<Interval> at(const Vec3& p, double tolerance, NodeStack& stack) const;
-
- private:
-  // The triangles of a node's caps, and its rims with a weight other than 1.
-  struct Range {
-    std::int32_t first_triangle, past_triangle, first_weighted, past_weighted;
-    std::int32_t size() const { return past_triangle - first_triangle + past_weighted - first_weighted; }
-  };
-  // The rim and the edge of a triangle; edge -1: the triangle is the whole rim.
-  struct Source {
-    std::int32_t rim, edge;
-  };
-  struct Sum;
-
-  void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Source& source);
-  void add(std::int32_t node, Sum& sum) const;
-  void add_angles(const Range& range, Sum& sum) const;
-
-  const Rims& rims_;
-  const RimTree& tree_;
-  const cpu::SignKernels& kernels_;
-  Vec3 center_;
-  double scale_ = 1;           // a power of two: coordinates relative to the center are about 1 at most
-  double extent_ = 0;          // the largest scaled coordinate
-  std::vector<Range> ranges_;  // by node
-  std::array<std::array<std::vector<float>, 3>, 3> corners_;
-  std::vector<Source> sources_;
-  std::vector<std::int32_t> weighted_;
-};
 
 }  // namespace standoff

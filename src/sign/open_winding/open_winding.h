@@ -12,6 +12,7 @@
 #include "core/progress.h"
 #include "sign/diagnosis/boundary.h"
 #include "sign/open_winding/cap_tree.h"
+#include "sign/open_winding/quick_angles.h"
 #include "sign/oriented_mesh.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/signs.h"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/tile_count.h"
 
@@ -29,9 +30,13 @@ namespace {
 // A field with such an error decides little. It is less than a quarter, so that the difference of two estimates at a
 // sample, the field and the sample's winding number by far fields, tells integers apart.
 constexpr double kUseless = 0.24;
-// More near rims than kManyRims are summed up in float, which takes a microsecond, and one or two more per thousand.
-// Where a cell has more than kVeryManyRims, so have smaller cells, and their fields decide no more.
+// More near rims than kManyRims are summed up in float. Where a cell has more than kVeryManyRims, most of them are a
+// few samples away, so that roughly known fields of groups decide more than exact angles of rims.
 constexpr std::size_t kManyRims = 64, kVeryManyRims = 256;
+// The errors of fields there. Time hardly depends on them. kKnown: in a cell, for good. kRoughInCell: at its center, to
+// decide it as a whole. kRough: at a sample, at first; then each time by kFiner less, down to kFinest, which is not
+// much more than the error of angles in float.
+constexpr double kKnown = 3e-4, kRoughInCell = 1e-3, kRough = 4e-3, kFiner = 4, kFinest = 1e-7;
 // Few samples are decided one by one.
 constexpr int kFewRows = 4;
 
@@ -64,41 +69,51 @@ void TileSigns::visit(const SampleBox& box, NodeStack::Part nodes, LinearField f
   const std::size_t size = stack_.size();
   const Cell cell = cell_of(mesh_.grid, box);
   far.move_to(cell.center);
-  NodeStack::Part near = stack_.add_far(nodes, cell, tolerance, 0, far);
+  std::optional<NodeStack::Part> near = stack_.add_far_up_to(kVeryManyRims, nodes, cell, tolerance, far);
+  if (!near) return decide_among_many(box, stack_.root(), {});
   if (!has_more_undecided_than(kFewRows, box)) {
-    decide_one_by_one(box, near, far);
+    decide_one_by_one(box, *near, far);
     return stack_.resize(size);
   }
 
   // Decide most samples by a bound, which is cheaper than a field.
-  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(near, cell, 0.5) + kWindingRounding, true);
+  decide_by_winding(box, far.value, far.reach(cell.half) + stack_.bound_of(*near, cell, 0.5) + kWindingRounding, true);
   if (!has_more_undecided_than(0, box)) return stack_.resize(size);
 
-  const bool of_near = decide_by_fields(box, cell, near, far, tolerance);
-  if (near.end - near.begin > kVeryManyRims) {
-    decide_one_by_one(box, near, far);
-  } else if (of_near) {
-    split(box, near, far, tolerance);
-  } else {
+  if (!decide_by_fields(box, cell, *near, far, tolerance)) {
     stack_.resize(size);
     visit(box, stack_.root(), {}, tolerance / 32);
+  } else if (is_smallest(box)) {
+    decide_one_by_one(box, *near, far);
+  } else {
+    for_each_part(box, [&](const SampleBox& part) { visit(part, *near, far, tolerance); });
   }
   stack_.resize(size);
 }
 
-void TileSigns::split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance) {
-  const std::int64_t longest =
-      std::max({box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]});
-  if (longest <= 2) return decide_one_by_one(box, nodes, far);
-  const std::int64_t half = longest > 4 ? 4 : 2;
-  for (int part = 0; part < 8; ++part) {
-    SampleBox child = box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int64_t middle = std::min(box.begin[axis] + half, box.end[axis]);
-      (part >> axis & 1 ? child.begin : child.end)[axis] = middle;
-    }
-    visit(child, nodes, far, tolerance);
+// Decides where very many rims are near. Fields that are known well in the cell are known well in its parts too. Those
+// of other nodes, which stay closed, are known roughly: that decides most cells.
+void TileSigns::decide_among_many(const SampleBox& box, NodeStack::Part nodes, LinearField far) {
+  if (!has_more_undecided_than(0, box)) return;
+  const std::size_t size = stack_.size();
+  const Cell cell = cell_of(mesh_.grid, box);
+  far.move_to(cell.center);
+  const NodeStack::Part near = stack_.add_far(nodes, cell, kKnown, cell.radius / 2, far);
+  if (has_more_undecided_than(kFewRows, box)) {
+    const std::size_t before = stack_.size();
+    LinearField rough = far;
+    if (auto rims = stack_.add_far_up_to(kVeryManyRims, near, cell, FieldTolerance::of_center(kRoughInCell), rough))
+      decide_by_fields(box, cell, *rims, rough, kRoughInCell);
+    stack_.resize(before);
   }
+  if (longest(box) > 2)
+    for_each_part(box, [&](const SampleBox& part) { decide_among_many(part, near, far); });
+  else
+    for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
+      const Vec3 p = mesh_.grid.position(i, j, k);
+      decide_by_sums(row, bit_of(i), p, near, {far.at(p), far.error});
+    });
+  stack_.resize(size);
 }
 
 // Decides by the fields of near caps too. Moves caps whose field is good enough in the cell from `near` to `far`.
@@ -190,24 +205,34 @@ void TileSigns::decide_by_winding(const SampleBox& box, double value, double rea
 void TileSigns::decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far) {
   for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
     const unsigned x = bit_of(i);
-    const double winding = windings_[kTileSide * row + x];
     const Vec3 p = mesh_.grid.position(i, j, k);
-    double tolerance = kFieldTolerance / 64;
-    if (nodes.end - nodes.begin > kManyRims)
-      for (; tolerance > kFieldTolerance / 1e4; tolerance /= 64)
-        if (const auto angles = mesh_.quick.at(p, tolerance, stack_))
-          if (decide_sample(row, x, winding + angles->value, angles->error + kWindingRounding)) return;
-    Interval angles = add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error});
-    for (; !decide_sample(row, x, winding + angles.value, angles.error + kWindingRounding);
-         tolerance = tolerance > 1e-9 ? tolerance / 64 : 0) {
-      angles = cap_sum_at(mesh_.rims, mesh_.tree, p, tolerance, stack_);
-      // Only rounding is left then: let the value decide.
-      if (tolerance == 0) angles.error = -kWindingRounding;
-    }
+    if (nodes.end - nodes.begin <= kManyRims &&
+        decide_sample(row, x, add_angles(mesh_.rims, mesh_.tree, p, stack_, nodes, {far.at(p), far.error})))
+      return;
+    decide_by_sums(row, x, p, stack_.root(), {0, 0});
   });
 }
 
-// Decides a sample if the interval is on one side of the threshold, and narrow enough to tell whether it is doubtful.
+// Decides a sample by ever finer sums of all caps' angles: first of those in `nodes`, added to `far`.
+void TileSigns::decide_by_sums(std::size_t row, unsigned x, const Vec3& p, NodeStack::Part nodes, Interval far) {
+  bool in_range = sum_.begin(p, nodes, far);
+  for (double tolerance = kRough; in_range && tolerance > kFinest; tolerance /= kFiner) {
+    const Interval sum = sum_.refine(tolerance);
+    if (decide_sample(row, x, sum)) return;
+    if (far.error > sum.error / 2) in_range = sum_.begin(p, stack_.root(), far = {0, 0});
+  }
+  if (decide_sample(row, x, cap_sum_at(mesh_.rims, mesh_.tree, p, kFinest / 64, stack_))) return;
+  // Only rounding is left: let the value decide.
+  const double sum = cap_sum_at(mesh_.rims, mesh_.tree, p, 0, stack_).value;
+  decide_sample(row, x, {sum, -kWindingRounding});
+}
+
+// Decides a sample by its integer winding number and the caps' angles, if these are on one side of the threshold and
+// known well enough to tell whether the sample is doubtful.
+bool TileSigns::decide_sample(std::size_t row, unsigned x, const Interval& angles) {
+  return decide_sample(row, x, windings_[kTileSide * row + x] + angles.value, angles.error + kWindingRounding);
+}
+
 bool TileSigns::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
   if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;

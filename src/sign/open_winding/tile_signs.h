@@ -2,12 +2,14 @@
 // The signs of one tile's samples where caps are near, or the winding number is near a threshold.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "sign/open_winding/cap_tree.h"
+#include "sign/open_winding/quick_angles.h"
 #include "sign/rows/row_crossings.h"
 #include "sign/signs.h"
 #include "standoff/sign.h"
@@ -61,7 +63,7 @@ struct OpenMesh {
 
 class TileSigns {
  public:
-  TileSigns(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack) {}
+  TileSigns(const OpenMesh& mesh, NodeStack& stack) : mesh_(mesh), stack_(stack), sum_(mesh.quick, stack) {}
 
   /// Marks the samples of a tile's part within the grid. `smooth`: no triangle of the mesh touches the tile. `far` is
   /// the field of all caps that are not in `nodes`. Returns the number of doubtful samples.
@@ -70,7 +72,7 @@ class TileSigns {
 
  private:
   void visit(const SampleBox& box, NodeStack::Part nodes, LinearField far, double tolerance);
-  void split(const SampleBox& box, NodeStack::Part nodes, const LinearField& far, double tolerance);
+  void decide_among_many(const SampleBox& box, NodeStack::Part nodes, LinearField far);
   bool decide_by_fields(const SampleBox& box, const Cell& cell, NodeStack::Part& near, LinearField& far,
                         double tolerance);
   void decide_by_field(const SampleBox& box, const Cell& cell, const LinearField& field, bool with_windings);
@@ -78,6 +80,8 @@ class TileSigns {
   void decide_one_by_one(const SampleBox& box, NodeStack::Part nodes, const LinearField& far);
   void continue_across_caps(const SampleBox& box, NodeStack::Part nodes, const LinearField& far,
                             LinearField& field) const;
+  void decide_by_sums(std::size_t row, unsigned x, const Vec3& p, NodeStack::Part nodes, Interval far);
+  bool decide_sample(std::size_t row, unsigned x, const Interval& angles);
   bool decide_sample(std::size_t row, unsigned x, double winding, double error);
   bool has_more_undecided_than(int few, const SampleBox& box) const;
 
@@ -89,6 +93,22 @@ class TileSigns {
   // The samples of the box in one of its rows.
   unsigned bits_of(const SampleBox& box) const {
     return ((1u << (box.end[0] - box.begin[0])) - 1) << bit_of(box.begin[0]);
+  }
+  // Whether the samples of the box are decided one by one.
+  static bool is_smallest(const SampleBox& box) { return longest(box) <= 2; }
+  static std::int64_t longest(const SampleBox& box) {
+    return std::max({box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]});
+  }
+  // Calls use(part) for eight parts of a tile, or of a part of it; some may have no samples.
+  template <class Use>
+  static void for_each_part(const SampleBox& box, const Use& use) {
+    const std::int64_t half = longest(box) > 4 ? 4 : 2;
+    for (int part = 0; part < 8; ++part) {
+      SampleBox child = box;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        (part >> axis & 1 ? child.begin : child.end)[axis] = std::min(box.begin[axis] + half, box.end[axis]);
+      use(child);
+    }
   }
   // Calls use(i, j, k, row) for each undecided sample of the box.
   template <class Use>
@@ -103,6 +123,7 @@ class TileSigns {
 
   const OpenMesh& mesh_;
   NodeStack& stack_;
+  PointSum sum_;
   SampleBox tile_;
   bool smooth_;
   std::int64_t doubtful_;

@@ -150,6 +150,7 @@ class CutSearch {
   CutSearch(const OrientedMesh& mesh, MeshCuts& found) : mesh_(mesh), found_(found) {}
 
   void compare(std::uint32_t first, std::uint32_t second, TrianglePairs& touched) const {
+    if (is_cut(first) && is_cut(second)) return;  // where parts overlap, most pairs are of such triangles
     const Corners p = mesh_.mesh.corners(first), q = mesh_.mesh.corners(second);
     const bool first_flat = found_.flat[first] != 0, second_flat = found_.flat[second] != 0;
     if (first_flat || second_flat) {
@@ -165,7 +166,8 @@ class CutSearch {
   }
 
  private:
-  void mark(std::uint32_t triangle) const { std::atomic_ref(found_.cut[triangle]).store(1, std::memory_order_relaxed); }
+  bool is_cut(std::uint32_t t) const { return std::atomic_ref(found_.cut[t]).load(std::memory_order_relaxed) != 0; }
+  void mark(std::uint32_t t) const { std::atomic_ref(found_.cut[t]).store(1, std::memory_order_relaxed); }
 
   OrientedMesh mesh_;
   MeshCuts& found_;
