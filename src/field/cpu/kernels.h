@@ -93,7 +93,7 @@ struct FrameGroup {
   std::uint32_t is_long;                    ///< bits of the triangles that must be measured by lines
 };
 
-/// Groups of a table, 2048 triangles. A thread's table takes 0.6 MiB; most tiles have far fewer candidates. With fewer
+/// Groups of a table, 2048 triangles. A thread's table takes 0.9 MiB; most tiles have far fewer candidates. With fewer
 /// groups, crowded tiles need more tables, each with its own reference points.
 inline constexpr int kTableGroups = 128;
 
@@ -123,7 +123,9 @@ struct CandidateTable {
     /// A lower bound of the squared distance from each corner of the lattice.
     alignas(64) float corner_distance_sq[kCorners][kLanes];
     Extents<kLanes> extent;
-    std::uint32_t lanes;  ///< bits of the lanes in use
+    std::uint32_t lanes;                 ///< bits of the lanes in use
+    std::uint32_t has_lines;             ///< bits of the long triangles whose lines were needed
+    TriangleLines<float> lines[kLanes];  ///< of these
   };
   Group groups[kGroups];
   int count;  ///< groups in use

@@ -60,6 +60,7 @@ STANDOFF_INLINE void fill_table(const BlockLattice& lattice, const Brick& brick,
     slack.store(g.slack);
     const std::int64_t left = c.count - first;
     g.lanes = left < kLanes ? (1u << left) - 1 : 0xffffu;
+    g.has_lines = 0;
   }
 }
 

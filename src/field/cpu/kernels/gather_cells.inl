@@ -86,31 +86,25 @@ STANDOFF_INLINE void lower(WideFloat& best, WideUint& nearest, const WideFloat& 
   best = min(d, best);
 }
 
-// Whether the error of distances in a triangle's frame is within its slack. A needle a millionth as high as it is long
-// loses its altitude in the rounding of its corners, and its frame may be askew by far more.
-STANDOFF_INLINE bool is_sound(const TriangleFrame<float>& f) {
-  // A share of the base: a hundred times the height that rounding gives to a flat triangle.
-  constexpr float kLeastHeight = 1e-4f;
-  const float base = f.left.leg + f.right.leg, height = f.left.length * f.left.nx;
-  return height > kLeastHeight * base;
+// The lines of a long triangle, which are set up in double: a tile's candidate keeps them for its other lists.
+template <class Group>
+STANDOFF_INLINE TriangleLines<WideFloat> lines_of(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
+                                                  Group& g, std::uint32_t lane) {
+  if constexpr (requires { g.lines; }) {
+    if (!(g.has_lines >> lane & 1)) {
+      g.lines[lane] = make_lines<float>(double_frame(lattice, brick, c, g.index[lane]));
+      g.has_lines |= 1u << lane;
+    }
+    return in_all_lanes(g.lines[lane]);
+  } else {
+    return make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
+  }
 }
 
-// A limit for squared distances in a sound frame, sample by sample: if a long triangle's frame gives more, its lines
-// give more than `best_sq`. `slack` bounds the error of distances in the frame and that of lines, which is far less
-// than kSlack. So a candidate that is skipped would have changed no bit.
-STANDOFF_INLINE WideFloat frame_limit_sq(const WideFloat& best_sq, float slack) {
-  const WideFloat reach = fma(sqrt(best_sq), WideFloat(1 + kSlackShare), WideFloat(slack));
-  return reach * reach;
-}
-
-// Measures the listed candidates from the blocks (bx, by + j, bz + k), j and k below kSide. The lines of a long
-// triangle are set up in double, once for each list with the triangle. So they are made only if its frame, which is
-// there already, does not show that the triangle is too far away. Where many triangles are as large as the grid, the
-// frame excludes nearly all.
+// Measures the listed candidates from the blocks (bx, by + j, bz + k), j and k below kSide.
 template <bool kNearest, int kSide, class Group>
-STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& brick, const Candidates& c,
-                                   const Group* groups, const CandidateList& list, int bx, int by, int bz,
-                                   BrickState& state) {
+STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& brick, const Candidates& c, Group* groups,
+                                   const CandidateList& list, int bx, int by, int bz, BrickState& state) {
   constexpr int kCount = kSide * kSide;
   const auto block = [&](int n) __attribute__((always_inline)) {
     return block_index(bx, by + n % kSide, bz + n / kSide);
@@ -127,19 +121,10 @@ STANDOFF_INLINE void gather_listed(const BlockLattice& lattice, const Brick& bri
     if constexpr (kNearest) nearest[n] = WideUint::load(state.nearest[block(n)]);
   }
   for (int m = 0; m < list.count; ++m) {
-    const auto& g = groups[list.candidate[m] / kLanes];
+    Group& g = groups[list.candidate[m] / kLanes];
     const std::uint32_t lane = list.candidate[m] % kLanes;
     if (g.is_long >> lane & 1) {
-      if constexpr (requires { g.slack; }) {
-        const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(g.frame, lane);
-        bool is_far = is_sound(frame_of_lane<float>(g.frame, lane));
-        for (int n = 0; n < kCount && is_far; ++n)
-          is_far =
-              less(frame_limit_sq(best[n], g.slack[lane] + kSlack), distance_sq(f, {x, y[n % kSide], z[n / kSide]}))
-                  .to_bits() == 0xffffu;
-        if (is_far) continue;
-      }
-      const TriangleLines<WideFloat> lines = make_lines<WideFloat>(double_frame(lattice, brick, c, g.index[lane]));
+      const TriangleLines<WideFloat> lines = lines_of(lattice, brick, c, g, lane);
       for (int n = 0; n < kCount; ++n)
         lower<kNearest>(best[n], nearest[n], distance_sq(lines, {x, y[n % kSide], z[n / kSide]}), g.index[lane]);
       continue;

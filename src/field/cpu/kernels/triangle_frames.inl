@@ -137,5 +137,16 @@ STANDOFF_INLINE TriangleFrame<double> double_frame(const BlockLattice& lattice, 
   return make_frame(corner[0], corner[1], corner[2], double{kLeastLengthSq});
 }
 
+// A triangle's lines in all lanes.
+STANDOFF_INLINE Linear<WideFloat> in_all_lanes(const Linear<float>& f) {
+  return {{WideFloat(f.g.x), WideFloat(f.g.y), WideFloat(f.g.z)}, WideFloat(f.c)};
+}
+STANDOFF_INLINE HalfLines<WideFloat> in_all_lanes(const HalfLines<float>& half) {
+  return {in_all_lanes(half.past), in_all_lanes(half.across), in_all_lanes(half.along), WideFloat(half.along_apex)};
+}
+STANDOFF_INLINE TriangleLines<WideFloat> in_all_lanes(const TriangleLines<float>& t) {
+  return {in_all_lanes(t.q), in_all_lanes(t.y), in_all_lanes(t.z), in_all_lanes(t.left), in_all_lanes(t.right)};
+}
+
 }  // namespace
 }  // namespace standoff::cpu::STANDOFF_TARGET
