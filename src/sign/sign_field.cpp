@@ -19,11 +19,11 @@ namespace standoff {
 
 namespace {
 
-// Gives a tile the signs of tile `at_rows` of the rows.
-void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, const cpu::SignKernels& kernels,
-               DistanceField& field) {
+// Gives a tile the signs of tile `at_rows` of the rows. `slot`: its entry in the field's slots().
+void sign_tile(const InsideRows& rows, std::int64_t at_rows, const Size3& at, std::int32_t slot,
+               const cpu::SignKernels& kernels, DistanceField& field) {
   if (rows.is_empty(at_rows)) return;
-  const bool is_stored = field.tile(at.x, at.y, at.z).has_value();
+  const bool is_stored = slot >= 0;
   if (!is_stored && rows.is_full(at_rows)) return field.mark_inside(at.x, at.y, at.z);
   const auto values = is_stored ? field.edit_tile(at.x, at.y, at.z) : field.store_tile(at.x, at.y, at.z);
   if (!is_stored) {
@@ -39,12 +39,14 @@ void sign_field(SampleSigns& signs, bool invert, const Grid& grid, DistanceField
   const cpu::SignKernels& kernels = dispatch_of<cpu::SignKernels>().best();
   const Grid& window = field.grid();
   const auto shift = [&](std::size_t axis) { return (window.first[axis] - grid.first[axis]) / kTileSide; };
-  const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2), tiles_x = field.tile_count().x;
+  const std::int64_t shift_x = shift(0), shift_y = shift(1), shift_z = shift(2);
+  const Size3 tiles = field.tile_count();
   for_each_row_of_tiles(
       signs, invert, grid, window, progress, [&](const InsideRows& inside, std::int64_t ty, std::int64_t tz) {
-        const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles_x);
+        const std::int64_t end = std::min(inside.end_of_tiles() - shift_x, tiles.x), y = ty - shift_y, z = tz - shift_z;
+        const std::int32_t* const slots = field.slots().data() + tiles.x * (y + tiles.y * z);
         for (std::int64_t tx = std::max<std::int64_t>(0, inside.first_tile() - shift_x); tx < end; ++tx)
-          sign_tile(inside, tx + shift_x, {tx, ty - shift_y, tz - shift_z}, kernels, field);
+          sign_tile(inside, tx + shift_x, {tx, y, z}, slots[tx], kernels, field);
       });
 }
 

@@ -124,6 +124,15 @@ TEST(Outward, AllPartsMustFaceOutwards) {
   EXPECT_TRUE(faces_outwards(unused));
 }
 
+// Parts are found whatever the order of triangles: neither torn apart nor taken for one.
+TEST(Outward, PartsInAnyOrder) {
+  const Mesh small = moved(sphere(), {0.2, 0.1, 0}, 1e-3);
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    EXPECT_TRUE(faces_outwards(testing::shuffled(joined(sphere(), small), seed)));
+    EXPECT_FALSE(faces_outwards(testing::shuffled(joined(sphere(), reversed(small)), seed)));
+  }
+}
+
 // Closed, all of them, and without an inside: what compute() takes by itself is what the report recommends.
 TEST(Outward, ClosedMeshesWithoutAVolumeAreDiagnosed) {
   Mesh both{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}};

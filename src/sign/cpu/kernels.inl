@@ -373,15 +373,14 @@ TileRange mark_inside(std::int8_t* steps, std::uint8_t* is_stepped, std::int64_t
 
 namespace {
 
-STANDOFF_INLINE void negate_sixteen(std::uint32_t inside, float* values) {
-  const WideFloat v = WideFloat::load(values);
-  select(mask_from_bits(inside) & ~equal(v, WideFloat(0.0f)), -v, v).store(values);
-}
-
 void negate(const std::uint8_t* inside, std::int64_t count, float* values) {
   std::int64_t n = 0;
-  for (; n + WideFloat::kLanes <= count; n += WideFloat::kLanes)
-    negate_sixteen(inside[n / 8] | static_cast<std::uint32_t>(inside[n / 8 + 1]) << 8, values + n);
+  for (; n + WideFloat::kLanes <= count; n += WideFloat::kLanes) {
+    const std::uint32_t bits = inside[n / 8] | static_cast<std::uint32_t>(inside[n / 8 + 1]) << 8;
+    if (bits == 0) continue;  // leaves a line of memory alone
+    const WideFloat v = WideFloat::load(values + n);
+    select(mask_from_bits(bits) & ~equal(v, WideFloat(0.0f)), -v, v).store(values + n);
+  }
   for (; n < count; ++n)
     if ((inside[n / 8] >> n % 8 & 1) != 0 && values[n] != 0) values[n] = -values[n];
 }

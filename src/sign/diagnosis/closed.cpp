@@ -35,14 +35,22 @@ namespace {
 using TriangleRange = tbb::blocked_range<std::size_t>;
 constexpr std::size_t kClosedGrain = 8192;
 
+// Calls use(triangles, vertices): spans where the mesh can be read in place, which is faster; else its views.
+template <class Use>
+auto with_arrays(MeshView mesh, const Use& use) {
+  const auto triangles = mesh.triangles.as_span();
+  const auto vertices = mesh.vertices.as_span();
+  return triangles && vertices ? use(*triangles, *vertices) : use(mesh.triangles, mesh.vertices);
+}
+
 // The sum of use(a, b, c) over all triangles, for the places of their corners.
-template <class Sum, class Plus, class Places, class Use>
-Sum sum_over(MeshView mesh, const Plus& plus, const Places& places, const Use& use) {
+template <class Sum, class Plus, class Triangles, class Places, class Use>
+Sum sum_over(const Triangles& triangles, const Plus& plus, const Places& places, const Use& use) {
   return tbb::parallel_reduce(
-      TriangleRange(0, mesh.triangles.size(), kClosedGrain), Sum(),
+      TriangleRange(0, triangles.size(), kClosedGrain), Sum(),
       [&](const TriangleRange& range, Sum sum) {
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
-          const auto [a, b, c] = mesh.triangles[t];
+          const auto [a, b, c] = triangles[t];
           sum = plus(sum, use(places(a), places(b), places(c)));
         }
         return sum;
@@ -68,16 +76,28 @@ EdgeHash hash_of_sides(const Place& a, const Place& b, const Place& c) {
 // A welded mesh reads each vertex six times. Where it is read once or never, its place is not worth memory.
 bool keeps_places(MeshView mesh) { return mesh.vertices.size() <= mesh.triangles.size(); }
 
-// Calls use(places) with a function that has the place of each vertex.
+// Calls use(triangles, places), where a function has the place of each vertex.
 template <class Use>
 auto with_places(MeshView mesh, const Use& use) {
-  const std::size_t vertices = mesh.vertices.size();
-  if (!keeps_places(mesh)) return use([&](std::uint32_t vertex) { return place_of(mesh.vertices[vertex]); });
-  const auto places = std::make_unique_for_overwrite<Place[]>(vertices);
-  tbb::parallel_for(TriangleRange(0, vertices, kClosedGrain), [&](const TriangleRange& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(mesh.vertices[v]);
+  return with_arrays(mesh, [&](const auto& triangles, const auto& vertices) {
+    if (!keeps_places(mesh)) return use(triangles, [&](std::uint32_t vertex) { return place_of(vertices[vertex]); });
+    const auto places = std::make_unique_for_overwrite<Place[]>(vertices.size());
+    tbb::parallel_for(TriangleRange(0, vertices.size(), kClosedGrain), [&](const TriangleRange& range) {
+      for (std::size_t v = range.begin(); v != range.end(); ++v) places[v] = place_of(vertices[v]);
+    });
+    return use(triangles, [&](std::uint32_t vertex) { return places[vertex]; });
   });
-  return use([&](std::uint32_t vertex) { return places[vertex]; });
+}
+
+template <class Triangles, class Places>
+std::uint64_t sum_of_areas(const Triangles& triangles, const Places& places) {
+  return sum_over<std::uint64_t>(
+      triangles, std::plus<>(), places, [
+      ](const Place& a, const Place& b, const Place& c) __attribute__((always_inline)) { return twice_area(a, b, c); });
+}
+template <class Triangles, class Places>
+EdgeHash sum_of_sides(const Triangles& triangles, const Places& places) {
+  return sum_over<EdgeHash>(triangles, std::bit_xor<>(), places, hash_of_sides);
 }
 
 }  // namespace
@@ -87,18 +107,18 @@ std::int64_t closed_bytes(MeshView mesh) {
 }
 
 Closed is_closed(MeshView mesh) {
-  return with_places(mesh, [&](const auto& places) -> Closed {
+  return with_places(mesh, [](const auto& triangles, const auto& places) -> Closed {
     // An edge that is used equally often in both directions is used an even number of times.
-    if (sum_over<std::uint64_t>(mesh, std::plus<>(), places, twice_area) == 0) return {true, true};
-    const EdgeHash odd = sum_over<EdgeHash>(mesh, std::bit_xor<>(), places, hash_of_sides);
+    if (sum_of_areas(triangles, places) == 0) return {true, true};
+    const EdgeHash odd = sum_of_sides(triangles, places);
     return {false, (odd.a | odd.b) == 0};
   });
 }
 
 EdgeSums::EdgeSums(MeshView mesh) {
-  with_places(mesh, [&](const auto& places) {
-    area_ = sum_over<std::uint64_t>(mesh, std::plus<>(), places, twice_area);
-    const EdgeHash odd = sum_over<EdgeHash>(mesh, std::bit_xor<>(), places, hash_of_sides);
+  with_places(mesh, [&](const auto& triangles, const auto& places) {
+    area_ = sum_of_areas(triangles, places);
+    const EdgeHash odd = sum_of_sides(triangles, places);
     odd_ = {odd.a, odd.b};
   });
 }
@@ -130,8 +150,8 @@ EdgeSums& EdgeSums::operator-=(const EdgeSums& other) {
 
 namespace {
 
-// Disjoint sets of vertices, joined by triangles. A link always leads to a lower vertex, so the lowest vertex
-// represents its set in the end, whatever the threads do.
+// Disjoint sets of vertices, joined by triangles, and numbered in the order of their lowest vertices. A link always
+// leads to a lower vertex, so the lowest vertex represents its set in the end, whatever the threads do.
 class VertexSets {
  public:
   explicit VertexSets(MeshView mesh) : link_(mesh.vertices.size()) {
@@ -142,36 +162,47 @@ class VertexSets {
       const std::uint32_t lowest = std::min({link(t[0]), link(t[1]), link(t[2])});
       for (const std::uint32_t v : t) at(v).store(lowest, std::memory_order_relaxed);
     });
-    follow_links();
+    // Link each to the end of its path: a link leads to a vertex whose own link leads there already.
+    std::size_t ends = 0;
+    for (std::uint32_t v = 0; v < link_.size(); ++v) {
+      ends += link_[v] == v;
+      link_[v] = link_[link_[v]];
+    }
     for_each_triangle(mesh, [&](const Triangle& t) {
-      if (link(t[0]) == link(t[1]) && link(t[1]) == link(t[2])) return;
+      // Sets that met before are two links away.
+      const std::uint32_t end = link(link(t[0]));
+      if (end == link(link(t[1])) && end == link(link(t[2]))) return;
       join(t[0], t[1]);
       join(t[1], t[2]);
     });
-    follow_links();
+    lowest_.reserve(ends);
+    for (std::uint32_t v = 0; v < link_.size(); ++v) {
+      if (link_[v] == v) {
+        link_[v] = count();
+        lowest_.push_back(v);
+      } else {
+        link_[v] = link_[link_[v]];  // the link of a lower vertex is the number of its set already
+      }
+    }
   }
 
-  /// The lowest vertex of the set of a vertex.
-  std::uint32_t lowest(std::uint32_t v) const { return link_[v]; }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(lowest_.size()); }
+  /// The set of a vertex.
+  std::uint32_t of(std::uint32_t v) const { return link_[v]; }
+  std::uint32_t lowest(std::uint32_t set) const { return lowest_[set]; }
 
  private:
   template <class Use>
   static void for_each_triangle(MeshView mesh, const Use& use) {
-    tbb::parallel_for(TriangleRange(0, mesh.triangles.size(), 4096), [&](const TriangleRange& range) {
-      if (const auto packed = mesh.triangles.as_span())
-        for (const Triangle& t : packed->subspan(range.begin(), range.size())) use(t);
-      else
-        for (std::size_t t = range.begin(); t != range.end(); ++t) use(mesh.triangles[t]);
+    with_arrays(mesh, [&](const auto& triangles, const auto&) {
+      tbb::parallel_for(TriangleRange(0, triangles.size(), 4096), [&](const TriangleRange& range) {
+        for (std::size_t t = range.begin(); t != range.end(); ++t) use(triangles[t]);
+      });
     });
   }
 
   std::atomic_ref<std::uint32_t> at(std::uint32_t v) { return std::atomic_ref(link_[v]); }
   std::uint32_t link(std::uint32_t v) { return at(v).load(std::memory_order_relaxed); }
-
-  // Links each vertex to the end of its path: a link leads to a vertex whose own link leads there already.
-  void follow_links() {
-    for (std::uint32_t& link : link_) link = link_[link];
-  }
 
   std::uint32_t find(std::uint32_t v) {
     for (;;) {
@@ -194,7 +225,8 @@ class VertexSets {
     }
   }
 
-  std::vector<std::uint32_t> link_;
+  std::vector<std::uint32_t> link_;    // first to a vertex, in the end to a set
+  std::vector<std::uint32_t> lowest_;  // by set
 };
 
 struct ChunkPart {
@@ -203,53 +235,42 @@ struct ChunkPart {
 };
 constexpr std::size_t kOutwardChunk = 1024, kOutwardChunks = 64;
 
-// Numbers the sets by their lowest vertices. Returns how many there are.
-std::uint32_t number_sets(const VertexSets& sets, std::vector<std::uint32_t>& number) {
-  std::uint32_t count = 0;
-  for (std::uint32_t v = 0; v < number.size(); ++v)
-    if (sets.lowest(v) == v) number[v] = count++;
-  return count;
-}
-
 }  // namespace
 
 bool faces_outwards(MeshView mesh) {
-  const std::size_t triangles = mesh.triangles.size();
   const VertexSets sets(mesh);
-  std::vector<std::uint32_t> number(mesh.vertices.size());  // of each set, at its lowest vertex
-  const std::uint32_t count = number_sets(sets, number);
-
   // Sum up chunks side by side, then in their order, so that the bits do not depend on the number of threads. Most
   // neighbours in a chunk belong to one set.
-  std::vector<OutwardTerms> of_set(count);
+  std::vector<OutwardTerms> of_set(sets.count());
   std::array<std::vector<ChunkPart>, kOutwardChunks> parts;
-  for (std::size_t first = 0; first < triangles; first += kOutwardChunks * kOutwardChunk) {
-    tbb::parallel_for(std::size_t{0}, kOutwardChunks, [&](std::size_t chunk) {
-      std::vector<ChunkPart>& mine = parts[chunk];
-      mine.clear();
-      const std::size_t begin = first + chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
-      for (std::size_t t = begin; t < end;) {
-        const std::uint32_t set = sets.lowest(mesh.triangles[t][0]);
-        const Vec3 origin = mesh.vertices[set];
-        OutwardTerms sums;
-        for (; t < end && sets.lowest(mesh.triangles[t][0]) == set; ++t) {
-          const auto [a, b, c] = mesh.corners(t);
-          sums.add(OutwardTerms::of(a, b, c, origin));
+  with_arrays(mesh, [&](const auto& triangles, const auto& vertices) {
+    for (std::size_t first = 0; first < triangles.size(); first += kOutwardChunks * kOutwardChunk) {
+      tbb::parallel_for(std::size_t{0}, kOutwardChunks, [&](std::size_t chunk) {
+        std::vector<ChunkPart>& mine = parts[chunk];
+        mine.clear();
+        const std::size_t begin = first + chunk * kOutwardChunk,
+                          end = std::min(triangles.size(), begin + kOutwardChunk);
+        for (std::size_t t = begin; t < end;) {
+          const std::uint32_t set = sets.of(triangles[t][0]);
+          const Vec3 origin = vertices[sets.lowest(set)];
+          OutwardTerms sums;
+          for (; t < end && sets.of(triangles[t][0]) == set; ++t) {
+            const auto [a, b, c] = triangles[t];
+            sums.add(OutwardTerms::of(vertices[a], vertices[b], vertices[c], origin));
+          }
+          mine.push_back({set, sums});
         }
-        mine.push_back({set, sums});
-      }
-    });
-    for (const auto& chunk : parts)
-      for (const ChunkPart& part : chunk) of_set[number[part.set]].add(part.sums);
-  }
+      });
+      for (const auto& chunk : parts)
+        for (const ChunkPart& part : chunk) of_set[part.set].add(part.sums);
+    }
+  });
   return std::ranges::any_of(of_set, &OutwardTerms::has_area) &&
          std::ranges::all_of(of_set, &OutwardTerms::faces_outwards);
 }
 
 std::int64_t outward_bytes(MeshView mesh) {
   const VertexSets sets(mesh);
-  std::int64_t count = 0;
-  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) count += sets.lowest(v) == v;
   // The most parts of a chunk: runs of triangles of one set.
   const std::size_t triangles = mesh.triangles.size(), chunks = (triangles + kOutwardChunk - 1) / kOutwardChunk;
   const auto parts = [&](const TriangleRange& range, std::int64_t most) {
@@ -257,17 +278,17 @@ std::int64_t outward_bytes(MeshView mesh) {
       std::int64_t runs = 1;
       const std::size_t begin = chunk * kOutwardChunk, end = std::min(triangles, begin + kOutwardChunk);
       for (std::size_t t = begin + 1; t < end; ++t)
-        runs += sets.lowest(mesh.triangles[t][0]) != sets.lowest(mesh.triangles[t - 1][0]);
+        runs += sets.of(mesh.triangles[t][0]) != sets.of(mesh.triangles[t - 1][0]);
       most = std::max(most, runs);
     }
     return most;
   };
   const std::int64_t most_parts = tbb::parallel_reduce(TriangleRange(0, chunks, 8), std::int64_t{0}, parts,
                                                        [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
-  // There are two numbers for each vertex, the sums of each set, and parts in vectors that double: while one grows
-  // there are up to three times as many.
+  // There is a number for each vertex, and one for each set, of which there may be as many; the sums of each set; and
+  // parts in vectors that double: while one grows there are up to three times as many.
   return static_cast<std::int64_t>(mesh.vertices.size() * 2 * sizeof(std::uint32_t)) +
-         count * static_cast<std::int64_t>(sizeof(OutwardTerms)) +
+         sets.count() * static_cast<std::int64_t>(sizeof(OutwardTerms)) +
          static_cast<std::int64_t>(std::min(kOutwardChunks, chunks) * 3 * sizeof(ChunkPart)) * most_parts;
 }
 
@@ -302,18 +323,19 @@ double times_unit(__int128 count, int unit) { return std::ldexp(static_cast<doub
 
 OutwardSums::OutwardSums(MeshView mesh) : set_of_(mesh.vertices.size()) {
   const VertexSets sets(mesh);
-  // A vertex that no triangle uses gets no set: meshes may have any number of these.
+  // A set that no triangle uses is left out: meshes may have any number of such vertices.
   constexpr std::uint32_t kNoSet = static_cast<std::uint32_t>(-1);
-  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoSet);
+  std::vector<std::uint32_t> number(sets.count(), kNoSet);
   std::uint32_t count = 0;
   for (const Triangle& t : mesh.triangles)
-    if (std::uint32_t& n = number[sets.lowest(t[0])]; n == kNoSet) n = count++;
+    if (std::uint32_t& n = number[sets.of(t[0])]; n == kNoSet) n = count++;
   sets_.resize(count);
-  for (std::uint32_t v = 0; v < set_of_.size(); ++v) {
-    const std::uint32_t lowest = sets.lowest(v);
-    set_of_[v] = number[lowest];
-    if (lowest == v && number[v] != kNoSet) sets_[number[v]].origin = mesh.vertices[v], sets_[number[v]].first = v;
-  }
+  for (std::uint32_t v = 0; v < set_of_.size(); ++v) set_of_[v] = number[sets.of(v)];
+  for (std::uint32_t set = 0; set < sets.count(); ++set)
+    if (const std::uint32_t n = number[set]; n != kNoSet) {
+      sets_[n].first = sets.lowest(set);
+      sets_[n].origin = mesh.vertices[sets.lowest(set)];
+    }
   // First the magnitudes, in double, for the units.
   struct Magnitudes {
     double reach = 0, normal = 0;

@@ -5,9 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/tile_count.h"
-#include "sign/rows/ray_crossing.h"
 #include "sign/signs.h"
 #include "simd/dispatch.h"
 
@@ -214,12 +215,15 @@ bool RowScan::finish(Batch& batch) const {
       *to = FoundCrossing::make(static_cast<std::uint32_t>(static_cast<std::int32_t>(found.row[n])),
                                 static_cast<std::uint32_t>(static_cast<std::int32_t>(found.past[n])));
   }
+  std::optional<RayTriangle> ray;
+  std::int32_t of_ray = -1;
   for (int n = 0; n < found.unsure_count; ++n) {
     const RowStrip& strip = batch.strips[found.unsure[n] / RowStrip::kMostRows];
     const auto row = static_cast<std::int32_t>(found.unsure[n] % RowStrip::kMostRows);
     const auto [j, k] = batch.row_of(strip.triangle, strip.p + row % strip.width, strip.q + row / strip.width);
     const std::size_t triangle = batch.numbers[static_cast<std::size_t>(strip.triangle)];
-    if (!add_exactly(triangle, mesh_.mesh.corners(triangle), j, k, batch)) return false;
+    if (std::exchange(of_ray, strip.triangle) != strip.triangle) ray.emplace(mesh_.mesh.corners(triangle));
+    if (!add_exactly(triangle, *ray, j, k, batch)) return false;
   }
   return true;
 }
@@ -238,16 +242,15 @@ bool RowScan::add_all_exactly(std::size_t triangle, Batch& batch) const {
 }
 
 bool RowScan::add_rows_exactly(std::size_t triangle, const RowWindow& rows, Batch& batch) const {
-  const std::array<Vec3, 3> corners = mesh_.mesh.corners(triangle);
+  const RayTriangle ray(mesh_.mesh.corners(triangle));
   for (std::int64_t k = rows.begin[1]; k < rows.end[1]; ++k)
     for (std::int64_t j = rows.begin[0]; j < rows.end[0]; ++j)
-      if (!add_exactly(triangle, corners, j, k, batch)) return false;
+      if (!add_exactly(triangle, ray, j, k, batch)) return false;
   return true;
 }
 
-bool RowScan::add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corners, std::int64_t j, std::int64_t k,
+bool RowScan::add_exactly(std::size_t triangle, const RayTriangle& ray, std::int64_t j, std::int64_t k,
                           Batch& batch) const {
-  const RayTriangle ray(corners);
   const double y = y_.at(j), z = z_.at(k);
   ExactSigns signs;
   const int crossing = ray.crossing(y, z, signs);

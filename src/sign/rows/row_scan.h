@@ -15,6 +15,7 @@
 #include "core/progress.h"
 #include "sign/cpu/kernels.h"
 #include "sign/oriented_mesh.h"
+#include "sign/rows/ray_crossing.h"
 #include "sign/rows/sample_axis.h"
 #include "standoff/grid.h"
 
@@ -117,8 +118,7 @@ class RowScan {
   bool finish(Batch& batch) const;
   bool add_all_exactly(std::size_t triangle, Batch& batch) const;
   bool add_rows_exactly(std::size_t triangle, const RowWindow& rows, Batch& batch) const;
-  bool add_exactly(std::size_t triangle, const std::array<Vec3, 3>& corners, std::int64_t j, std::int64_t k,
-                   Batch& batch) const;
+  bool add_exactly(std::size_t triangle, const RayTriangle& ray, std::int64_t j, std::int64_t k, Batch& batch) const;
 
   OrientedMesh mesh_;
   Grid grid_;
