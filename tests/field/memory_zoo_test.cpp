@@ -12,6 +12,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
 namespace {
@@ -55,6 +56,7 @@ std::vector<Kind> zoo() {
           {"slivers", slivers(36'000)},
           {"points in one place", points(50'000)},
           {"small ones", random_soup(6, 20'000, 1, 0.05)},
+          {"closed", welded_ball(1, 60)},
           {"factory", fitted(scenes::make("factory", 60'000))}};
 }
 
