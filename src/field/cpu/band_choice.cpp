@@ -26,6 +26,9 @@ constexpr double kRegionBrick = 45;    // to set it up for a brick,
 constexpr double kRegionClump = 8;     // to find its blocks among sixteen, and
 constexpr double kRegionBlock = 5.5;   // to measure one of them
 
+// Regions are looked for if they are guessed to save a tenth of the time: finding them takes up to that.
+constexpr double kWorthFinding = 0.9;
+
 // Triangles that are looked at, at most.
 constexpr std::int64_t kMostLooks = 8192;
 
@@ -127,7 +130,7 @@ BandChoice choose_band(const Job& job) {
   const BandWork guessed = work_of(job, lattice, [&](std::int64_t n) { return guessed_region(job, lattice, n); });
   const double bins = guessed.with_bins(), descent = guessed.with_descent(looks), least = std::min(bins, descent);
   const BandAlgorithm without = bins <= descent ? BandAlgorithm::bins : BandAlgorithm::descent;
-  if (guessed.with_regions(looks) >= least) return {without, {}};
+  if (guessed.with_regions(looks) >= kWorthFinding * least) return {without, {}};
   Regions regions = find_regions(job, lattice);
   if (regions.empty()) return {without, {}};
   const BandWork known = work_of(job, lattice, [&](std::int64_t n) { return regions[job.triangle(n)]; });

@@ -41,6 +41,16 @@ Normal unit(const Vec3& v) {
 // Regions are for jobs of nearly all triangles of a mesh: of at most so many.
 std::int64_t most_region_triangles(std::int64_t triangles) { return triangles + triangles / 4; }
 
+// How far one can go from a region's triangle into each neighbour, and the least that one comes nearer to a left-out
+// sample for each step: squared, more than the errors of two distances (docs/tiles.md). Grid units.
+float region_step(const Lattice& lattice) {
+  double half_sq = 0;
+  for (const double unit : lattice.unit) half_sq += unit * unit * (kBrickSide - 1) * (kBrickSide - 1) / 4;
+  const double farthest = std::sqrt(half_sq) + lattice.thickness_units + std::sqrt(3.0) * kLongestWithRegion;
+  const double error = kFrameError * farthest + 1e-5;
+  return std::max(kLeastStep, static_cast<float>(1.001 * std::sqrt(4 * error * (lattice.thickness_units + error))));
+}
+
 // The unit normal of the job's n-th triangle if that is large, small and round enough to bound regions; else 0.
 Normal normal_of(const Job& job, const Lattice& lattice, float step, std::int64_t n) {
   const auto [a, b, c] = job.mesh.corners(job.triangle(n));
@@ -187,14 +197,6 @@ Region guessed_region(const Job& job, const Lattice& lattice, std::int64_t n) {
 }
 
 float region_slack(const Lattice& lattice) { return region_step(lattice) / kLeastSine + kSlack; }
-
-float region_step(const Lattice& lattice) {
-  double half_sq = 0;
-  for (const double unit : lattice.unit) half_sq += unit * unit * (kBrickSide - 1) * (kBrickSide - 1) / 4;
-  const double farthest = std::sqrt(half_sq) + lattice.thickness_units + std::sqrt(3.0) * kLongestWithRegion;
-  const double error = kFrameError * farthest + 1e-5;
-  return std::max(kLeastStep, static_cast<float>(1.001 * std::sqrt(4 * error * (lattice.thickness_units + error))));
-}
 
 std::int64_t regions_bytes(std::int64_t triangles) {
   return most_region_triangles(triangles) * static_cast<std::int64_t>(sizeof(Region));

@@ -32,10 +32,6 @@ inline constexpr float kLeastSine = 0.25f;
 /// The longest side of the box of such a triangle, grid units. Longer ones are measured less exactly.
 inline constexpr float kLongestWithRegion = kLongTriangle / 2;
 
-/// How far one can go from a region's triangle into each neighbour at least, and what the region is inflated by where
-/// one goes straight away from it. Grid units.
-float region_step(const Lattice& lattice);
-
 /// What bounds the regions is moved outwards by: as far as it takes to be worth that step. Grid units.
 float region_slack(const Lattice& lattice);
 

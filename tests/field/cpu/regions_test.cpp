@@ -111,7 +111,6 @@ Mesh spike(int sides, double slope, double part, double least) {
   for (double r = 18; r > least; r *= part, ++rings)
     for (int k = 0; k < sides; ++k) {
       const double angle = 2 * std::numbers::pi * (k + 0.5 * (rings % 2)) / sides;
-      // Round the tip, so that it bends at all scales alike.
       mesh.vertices.push_back({r * std::cos(angle), r * std::sin(angle), -slope * r});
     }
   const auto at = [&](int ring, int k) { return static_cast<std::uint32_t>(ring * sides + k % sides); };
@@ -172,8 +171,8 @@ TEST(Regions, EdgesNextToSamplesKeepAllBits) {
 
 TEST(Regions, SpikesKeepAllBits) {
   for (const int sides : {5, 6, 8})
-    for (const double slope : {0.1, 0.3, 0.6, 1.0})
-      for (const double least : {4.0, 0.6, 0.02, 1e-4, 1e-6})
+    for (const double slope : {0.1, 0.4, 1.0})
+      for (const double least : {4.0, 0.02, 1e-4, 1e-6})
         expect_same_everywhere(
             std::to_string(sides) + " sides, slope " + std::to_string(slope) + ", least " + std::to_string(least),
             turned(spike(sides, slope, 0.5, least), 0.2 * sides));

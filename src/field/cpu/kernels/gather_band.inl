@@ -288,6 +288,7 @@ constexpr ClumpBits<kBlocksX, 2, 0> kColumnBits;
 constexpr ClumpBits<kBlocksY, 4, 1> kRowBits;
 constexpr ClumpBits<kBlocksZ, 2, 3> kSliceBits;
 
+// Measures a short triangle from the blocks that meet its region, or are within the thickness if it has none.
 template <bool kNearest>
 STANDOFF_INLINE void gather_region(const BlockLattice& lattice, const BlockRanges& ranges, const FrameLanes& frames,
                                    const RegionLanes& regions, int lane, std::uint32_t index, BrickState& state) {
@@ -295,33 +296,33 @@ STANDOFF_INLINE void gather_region(const BlockLattice& lattice, const BlockRange
             y1 = ranges.last[1][lane], z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
   if (x0 > x1 || y0 > y1 || z0 > z1) return;
   const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(frames, static_cast<std::uint32_t>(lane));
-  const WideFloat down(-regions.tilt[lane]), height(regions.height[lane]), base(regions.base[lane]),
-      left(regions.left[lane]), right(regions.right[lane]);
   constexpr int kWord = 4;  // clumps of a word of bits
   std::uint64_t met[kClumps / kWord] = {};
-  const auto meet = [&](auto is_out) __attribute__((always_inline)) {
-    for (int cz = z0 / 2; cz <= z1 / 2; ++cz)
-      for (int cy = y0 / 4; cy <= y1 / 4; ++cy)
-        for (int cx = x0 / 2; cx <= x1 / 2; ++cx) {
-          const int clump = cx + 2 * cy + 4 * cz;
-          const WidePoint center = load_points(lattice.block_centers[clump]);
-          const std::uint32_t in =
-              ~is_out(evaluate(f.q, center), evaluate(f.y, center), evaluate(f.z, center)).to_bits() &
-              kColumnBits.of[x0][x1][cx] & kRowBits.of[y0][y1][cy] & kSliceBits.of[z0][z1][cz];
-          met[clump / kWord] |= std::uint64_t{in} << (kLanes * (clump % kWord));
+  // Clumps are 2x4x2 blocks.
+  const auto meet = [&](auto is_met) __attribute__((always_inline)) {
+    for (int z = z0 / 2; z <= z1 / 2; ++z)
+      for (int y = y0 / 4; y <= y1 / 4; ++y)
+        for (int x = x0 / 2; x <= x1 / 2; ++x) {
+          const int clump = x + 2 * (y + 2 * z);
+          const WidePoint at = load_points(lattice.block_centers[clump]);
+          const std::uint32_t bits = is_met(evaluate(f.q, at), evaluate(f.y, at), evaluate(f.z, at)).to_bits() &
+                                     kColumnBits.of[x0][x1][x] & kRowBits.of[y0][y1][y] & kSliceBits.of[z0][z1][z];
+          met[clump / kWord] |= std::uint64_t{bits} << (kLanes * (clump % kWord));
         }
   };
   if (regions.tilt[lane] == kNoTilt) {
     const float reach = (lattice.thickness + lattice.block_radius) * (1 + kSlackRatio) + kSlack;
     const WideFloat reach_sq(reach * reach);
     meet([&](const WideFloat& q, const WideFloat& y, const WideFloat& z)
-             __attribute__((always_inline)) { return less(reach_sq, frame_distance_sq(f, q, y, z)); });
+             __attribute__((always_inline)) { return less(frame_distance_sq(f, q, y, z), reach_sq); });
   } else {
+    const WideFloat down(-regions.tilt[lane]), height(regions.height[lane]), base(regions.base[lane]),
+        left(regions.left[lane]), right(regions.right[lane]);
     meet([&](const WideFloat& q, const WideFloat& y, const WideFloat& z) __attribute__((always_inline)) {
-      const WideFloat height_above = abs(z), lowered = height_above * down;
-      return less(height, height_above) | less(base, lowered - y) |
-             less(left, fma(f.left.nx, -q - f.left.leg, fma(f.left.ny, y, lowered))) |
-             less(right, fma(f.right.nx, q - f.right.leg, fma(f.right.ny, y, lowered)));
+      const WideFloat above = abs(z), lowered = above * down, upper_left = fma(f.left.ny, y, lowered),
+                      upper_right = fma(f.right.ny, y, lowered);
+      return less(above, height) & less(lowered - y, base) & less(fma(f.left.nx, -q - f.left.leg, upper_left), left) &
+             less(fma(f.right.nx, q - f.right.leg, upper_right), right);
     });
   }
   for (int word = 0; word < kClumps / kWord; ++word) {
