@@ -32,6 +32,9 @@ constexpr float kTiltOfBend = 3, kUsualTilt = 0.25f;
 // With regions for fewer triangles than one of so many, none is worth it.
 constexpr std::int64_t kLeastShare = 8;
 
+// The corners of all triangles are counted in 32 bits.
+constexpr std::int64_t kMostTriangles = std::int64_t{1} << 30;
+
 using Normal = Triple<float>;
 Normal unit(const Vec3& v) {
   const double length_sq = dot(v, v), inverse = length_sq > 0 ? 1 / std::sqrt(length_sq) : 0;
@@ -213,7 +216,7 @@ std::int64_t regions_scratch_bytes(std::int64_t triangles, int threads) {
 Regions find_regions(const Job& job, const Lattice& lattice) {
   // Where few triangles share vertices, few neighbours would be found.
   const std::int64_t count = job.triangle_count();
-  if (static_cast<std::int64_t>(job.mesh.vertices.size()) > count ||
+  if (count > kMostTriangles || static_cast<std::int64_t>(job.mesh.vertices.size()) > count ||
       static_cast<std::int64_t>(job.mesh.triangles.size()) > most_region_triangles(count))
     return {};
   Regions regions = Finding(job, lattice).find();
