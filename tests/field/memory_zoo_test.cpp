@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "field/cpu/regions.h"
 #include "scenes/scenes.h"
 #include "standoff/compute.h"
 #include "tests/support/fields.h"
 #include "tests/support/heap.h"
 #include "tests/support/random_mesh.h"
+#include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
 namespace {
@@ -55,6 +57,7 @@ std::vector<Kind> zoo() {
           {"slivers", slivers(36'000)},
           {"points in one place", points(50'000)},
           {"small ones", random_soup(6, 20'000, 1, 0.05)},
+          {"closed", welded_ball(1, 60)},
           {"factory", fitted(scenes::make("factory", 60'000))}};
 }
 
@@ -100,6 +103,25 @@ TEST(MemoryOfTheZoo, NorDoTheThesisAndTheSkipRules) {
       expect_enough(kind, grid, 2 * grid.spacing.x, options);
       options.skip.kind = SkipRule::Kind::automatic;
     }
+  }
+}
+
+// The regions of a band of some spacings (field/cpu/regions.h): the estimate of a whole field is mostly above them.
+TEST(MemoryOfTheZoo, RegionsTakeWhatIsSaid) {
+  const Mesh mesh = welded_ball(1, 60);
+  const Grid grid = grid_of({80, 80, 80});
+  const double thickness = 6 * grid.spacing.x;
+  const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  for (const int threads : {1, 3}) {
+    ProgressMeter progress;
+    const Job job{mesh, {}, grid, thickness, threads, Simd::automatic, progress};
+    cpu::Regions regions;
+    const std::int64_t most = heap::most_held([&] { regions = cpu::find_regions(job, make_lattice(grid, thickness)); });
+    const std::int64_t said = cpu::regions_scratch_bytes(triangles, threads);
+    EXPECT_LE(most, said + kSmallThings);
+    EXPECT_GE(most, said / 2);
+    ASSERT_EQ(regions.size(), mesh.triangles.size());
+    EXPECT_LE(static_cast<std::int64_t>(regions.capacity() * sizeof(cpu::Region)), cpu::regions_bytes(triangles));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "field/backend.h"
+#include "field/cpu/regions.h"
 #include "field/lattice.h"
 #include "field/tolerances.h"
 
@@ -34,7 +35,12 @@ inline bool may_take_bins(std::int64_t triangles, const Grid& grid, double thick
          (thickness <= kNeverBins * grid.max_spacing() && may_hold_bins(triangles, grid));
 }
 
-/// The algorithm that takes less time for the job, by counts of what each would do for some of its triangles.
-BandAlgorithm band_algorithm(const Job& job);
+/// The algorithm that takes less time for the job, by counts of what each would do for some of its triangles. Bins may
+/// take less time with regions: then these are found.
+struct BandChoice {
+  BandAlgorithm algorithm;
+  Regions regions;  ///< for bins; empty if they do without
+};
+BandChoice choose_band(const Job& job);
 
 }  // namespace standoff::cpu

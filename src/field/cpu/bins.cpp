@@ -37,12 +37,13 @@ std::int64_t chunk_count(std::int64_t triangles, std::int64_t bricks, int thread
 // Which bricks each triangle reaches.
 class Binning {
  public:
-  Binning(const Job& job, const BlockLattice& lattice, Reach kind)
+  Binning(const Job& job, const BlockLattice& lattice, Reach kind, const Region* regions)
       : job_(job),
         mesh_(memory_of(job.mesh)),
         lattice_(lattice),
         kernels_(kernels_for(job.simd)),
         kind_(kind),
+        regions_(regions),
         reach_sq_(cell_reach_sq<kBrickSide>(lattice)),
         has_keys_(lattice.brick_count() <= kMostKeyedBricks && std::ranges::max(lattice.size) <= kMostKeyedSamples) {}
 
@@ -52,7 +53,7 @@ class Binning {
     std::uint32_t triangles[kReachLanes];
     for (std::int64_t n = 0; n < kReachLanes; ++n) triangles[n] = job_.triangle(first + std::min(n, count - 1));
     BrickRanges ranges;
-    kernels_.reached_bricks(lattice_, mesh_, triangles, ranges);
+    kernels_.reached_bricks(lattice_, mesh_, triangles, regions_, ranges);
     for (std::int64_t n = 0; n < count; ++n) keys[n] = key(ranges, n);
   }
 
@@ -116,13 +117,14 @@ class Binning {
   const BlockLattice& lattice_;
   const Kernels& kernels_;
   Reach kind_;
+  const Region* regions_;
   double reach_sq_;  // cell_reach_sq() of a brick, grid units
   bool has_keys_;    // else all triangles count as long
 };
 
 class BinBatches {
  public:
-  BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach);
+  BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach, const Region* regions);
 
   const Bins& bins() const { return bins_; }
   Bins take_bins() { return std::move(bins_); }
@@ -142,9 +144,10 @@ class BinBatches {
   Bins bins_;
 };
 
-BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach)
+BinBatches::BinBatches(const Job& job, const BlockLattice& lattice, std::int64_t most_refs, Reach reach,
+                       const Region* regions)
     : job_(job),
-      binning_(job, lattice, reach),
+      binning_(job, lattice, reach, regions),
       most_refs_(most_refs),
       bricks_(lattice.brick_count()),
       chunks_(chunk_count(job.triangle_count(), bricks_, job.threads)),
@@ -210,13 +213,14 @@ bool BinBatches::next() {
 }  // namespace
 
 void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
-                    const std::function<void(const Bins&)>& use, Reach reach) {
-  BinBatches batches(job, lattice, most_refs, reach);
+                    const std::function<void(const Bins&)>& use, Reach reach, const Region* regions) {
+  BinBatches batches(job, lattice, most_refs, reach, regions);
   while (batches.next()) use(batches.bins());
 }
 
-std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs) {
-  BinBatches batches(job, lattice, most_refs, Reach::distance);
+std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
+                             const Region* regions) {
+  BinBatches batches(job, lattice, most_refs, Reach::distance, regions);
   if (batches.refs() > most_refs) return std::nullopt;
   batches.next();
   return batches.take_bins();

@@ -44,10 +44,12 @@ inline std::int64_t most_refs(std::int64_t triangles) {
 /// triangles ascending in each brick. Each batch holds at most max(most_refs, the fullest brick) indices, and is valid
 /// until use() returns. Runs on the threads of the calling TBB arena. Throws Error{interrupted}.
 void for_each_batch(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
-                    const std::function<void(const Bins&)>& use, Reach reach = Reach::distance);
+                    const std::function<void(const Bins&)>& use, Reach reach = Reach::distance,
+                    const Region* regions = nullptr);
 
 /// The bins of all bricks; nothing if they would hold more indices than that. As for_each_batch otherwise.
-std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs);
+std::optional<Bins> all_bins(const Job& job, const BlockLattice& lattice, std::int64_t most_refs,
+                             const Region* regions);
 
 /// Bytes that for_each_batch may hold if each brick has at most `most_refs` triangles.
 std::int64_t bins_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, std::int64_t most_refs, int threads);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "field/cpu/regions.h"
 #include "simd/dispatch.h"
 
 namespace standoff::cpu {
@@ -39,6 +40,7 @@ BlockLattice make_block_lattice(const Grid& grid, double thickness) {
         if (lane == 0) lattice.clump_centers[axis][clump] = middle(at[axis] * kBlockSide[axis], kClumpSide[axis], axis);
       }
     }
+  lattice.region_slack = region_slack(lattice);
   lattice.block_radius = radius(kBlockX, kBlockY, kBlockZ);
   lattice.clump_radius = radius(kClumpSide[0], kClumpSide[1], kClumpSide[2]);
   return lattice;

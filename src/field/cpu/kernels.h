@@ -40,6 +40,7 @@ struct BlockLattice : Lattice {
   float inverse_spacing[3];               ///< 1 / spacing, 1 / grid units
   float block_radius;                     ///< half the diagonal of a block, grid units
   float clump_radius;                     ///< half the diagonal of a clump
+  float region_slack;                     ///< regions.h
   alignas(64) float x[kBlocksX][kLanes];  ///< sample coordinates, by block column
   alignas(64) float y[kBlocksY][kLanes];
   alignas(64) float z[kBlocksZ][kLanes];
@@ -214,11 +215,14 @@ struct BrickState {
   std::int64_t samples_band = 0;
 };
 
+struct Region;
+
 /// Triangles to gather: `count` indices into the mesh's triangles.
 struct Candidates {
   MeshMemory mesh;
   const std::uint32_t* refs;
   std::int64_t count;
+  const Region* regions = nullptr;  ///< by triangle of the mesh (regions.h), or null
 };
 
 /// The samples of a cell: a box around them, and the largest distance of a triangle that matters.
@@ -256,9 +260,11 @@ struct BrickRanges {
 struct Kernels {
   const char* name;
   // Of two functions, the second one finds the nearest triangles too.
-  /// The bricks with samples in the boxes of eight triangles, grown by the thickness. Requires less than 2^31 samples
+  /// The bricks with samples in the boxes of eight triangles, grown by the thickness or, where there are regions, by
+  /// their reaches. Requires less than 2^31 samples
   /// on each axis.
-  void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, BrickRanges&);
+  void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, const Region* regions,
+                         BrickRanges&);
   /// Bits of those of eight points whose squared distance from the triangle is at most `reach_sq`.
   unsigned (*within)(const TriangleFrame<double>&, const double (&at)[3][kReachLanes], double reach_sq);
   /// Sets all distances to infinity.

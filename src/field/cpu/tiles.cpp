@@ -17,6 +17,7 @@
 #include "core/threads.h"
 #include "field/cpu/bins.h"
 #include "field/cpu/candidate_culling.h"
+#include "field/cpu/regions.h"
 
 namespace standoff::cpu {
 
@@ -56,17 +57,23 @@ void write_brick(const BlockLattice& lattice, const Brick& brick, const Kernels&
 // Gathers bricks by the triangles in their bins.
 class BandBricks {
  public:
-  explicit BandBricks(const Job& job)
-      : job_(job), lattice_(make_block_lattice(job.grid, job.thickness)), kernels_(kernels_for(job.simd)) {}
+  BandBricks(const Job& job, Regions&& regions)
+      : job_(job),
+        lattice_(make_block_lattice(job.grid, job.thickness)),
+        kernels_(kernels_for(job.simd)),
+        regions_(std::move(regions)) {}
 
   const BlockLattice& lattice() const { return lattice_; }
+  const Region* regions() const { return regions_.empty() ? nullptr : regions_.data(); }
   void gather(const Bins& bins, std::int64_t n, Sink& sink, ProgressMeter& progress) {
     const auto refs = bins.of(n);
     if (!refs.empty()) {
       BrickState& state = states_.local();
       const Brick brick = brick_at(lattice_, bins.first_brick + n);
       kernels_.clear(sink.with_nearest(), state);
-      kernels_.gather_band[sink.with_nearest()](lattice_, brick, candidates_of(job_, refs), state);
+      Candidates triangles = candidates_of(job_, refs);
+      triangles.regions = regions();
+      kernels_.gather_band[sink.with_nearest()](lattice_, brick, triangles, state);
       write_brick(lattice_, brick, kernels_, state, sink);
     }
     progress.advance();
@@ -85,23 +92,27 @@ class BandBricks {
   const Job& job_;
   BlockLattice lattice_;
   const Kernels& kernels_;
+  Regions regions_;
   PerThread<BrickState> states_;
 };
 
-Counts run_thin_band(const Job& job, Sink& sink) {
-  BandBricks bricks(job);
-  for_each_batch(job, bricks.lattice(), most_refs(job.triangle_count()), [&](const Bins& bins) {
+Counts run_thin_band(const Job& job, Regions&& regions, Sink& sink) {
+  BandBricks bricks(job, std::move(regions));
+  const auto gather = [&](const Bins& bins) {
     tbb::parallel_for(std::int64_t{0}, bins.bricks(),
                       [&](std::int64_t n) { bricks.gather(bins, n, sink, job.progress); });
-  });
+  };
+  for_each_batch(job, bricks.lattice(), most_refs(job.triangle_count()), gather, Reach::distance, bricks.regions());
   return bricks.counts();
 }
 
 // Windows of a band whose triangles are sorted once, for all of them.
 class ThinBand final : public WindowGather {
  public:
-  explicit ThinBand(const Job& job)
-      : job_(job), bricks_(job), bins_(all_bins(job, bricks_.lattice(), most_refs(job.triangle_count()))) {}
+  ThinBand(const Job& job, Regions&& regions)
+      : job_(job),
+        bricks_(job, std::move(regions)),
+        bins_(all_bins(job, bricks_.lattice(), most_refs(job.triangle_count()), bricks_.regions())) {}
 
   bool has_bins() const { return bins_.has_value(); }
 
@@ -135,9 +146,11 @@ class ThinBand final : public WindowGather {
   std::optional<Bins> bins_;
 };
 
-std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, int threads) {
-  return bins_scratch_bytes(mesh, lattice, most_refs(mesh.triangles), threads) +
-         static_cast<std::int64_t>(sizeof(BrickState)) * threads;
+std::int64_t thin_scratch_bytes(const MeshLoad& mesh, const BlockLattice& lattice, bool with_regions, int threads) {
+  const std::int64_t bins = bins_scratch_bytes(mesh, lattice, most_refs(mesh.triangles), threads) +
+                            static_cast<std::int64_t>(sizeof(BrickState)) * threads;
+  if (!with_regions) return bins;
+  return std::max(regions_scratch_bytes(mesh.triangles, threads), regions_bytes(mesh.triangles) + bins);
 }
 
 // Thick bands and full fields.
@@ -327,14 +340,14 @@ std::int64_t thick_scratch_bytes(std::int64_t triangles, const BlockLattice& lat
 
 }  // namespace
 
-Counts run_tiles_by(BandAlgorithm algorithm, const Job& job, Sink& sink) {
-  if (algorithm == BandAlgorithm::bins) return run_thin_band(job, sink);
+Counts run_tiles_by(BandChoice&& choice, const Job& job, Sink& sink) {
+  if (choice.algorithm == BandAlgorithm::bins) return run_thin_band(job, std::move(choice.regions), sink);
   return ThickBand(job).gather(job.grid, sink, job.progress);
 }
 
 Counts run_tiles(const Job& job, Sink& sink) {
   job.progress.stage("distances", brick_count(job.grid), 0.2, 1);
-  return run_tiles_by(band_algorithm(job), job, sink);
+  return run_tiles_by(choose_band(job), job, sink);
 }
 
 bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickness) {
@@ -342,9 +355,10 @@ bool tiles_prepare_whole(std::int64_t triangles, const Grid& grid, double thickn
 }
 
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job) {
-  if (band_algorithm(job) == BandAlgorithm::descent) return std::make_unique<ThickBand>(job);
+  BandChoice choice = choose_band(job);
+  if (choice.algorithm == BandAlgorithm::descent) return std::make_unique<ThickBand>(job);
   if (!may_hold_bins(job.triangle_count(), job.grid)) return nullptr;
-  auto band = std::make_unique<ThinBand>(job);
+  auto band = std::make_unique<ThinBand>(job, std::move(choice.regions));
   return band->has_bins() ? std::move(band) : nullptr;
 }
 
@@ -352,9 +366,10 @@ std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
   const BlockLattice lattice = make_block_lattice(grid, thickness);
+  const bool is_thick = may_take_descent(grid, thickness);
   std::int64_t bytes = 0;
-  if (may_take_bins(mesh.triangles, grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, threads);
-  if (may_take_descent(grid, thickness)) bytes = std::max(bytes, thick_scratch_bytes(mesh.triangles, lattice, threads));
+  if (may_take_bins(mesh.triangles, grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, is_thick, threads);
+  if (is_thick) bytes = std::max(bytes, thick_scratch_bytes(mesh.triangles, lattice, threads));
   return bytes;
 }
 

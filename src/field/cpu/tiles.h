@@ -13,7 +13,7 @@ namespace standoff::cpu {
 
 Counts run_tiles(const Job& job, Sink& sink);
 /// The same by the algorithm given. Bins are for finite thicknesses.
-Counts run_tiles_by(BandAlgorithm algorithm, const Job& job, Sink& sink);
+Counts run_tiles_by(BandChoice&& choice, const Job& job, Sink& sink);
 /// BackendRow::in_windows.
 std::unique_ptr<WindowGather> tiles_in_windows(const Job& job);
 /// BackendRow::prepares_whole.

@@ -21,10 +21,12 @@ using cpu::BandAlgorithm;
 const Grid kChoiceGrid{{128, 128, 128}, {-1.27, -1.27, -1.27}, {0.02, 0.02, 0.02}};
 
 // `thickness`: in spacings.
-BandAlgorithm chosen(const Mesh& mesh, double thickness, std::vector<std::uint32_t> kept = {}) {
+cpu::BandChoice choice(const Mesh& mesh, double thickness, std::vector<std::uint32_t> kept = {}) {
   ProgressMeter progress;
-  return cpu::band_algorithm(
-      {mesh, kept, kChoiceGrid, thickness * kChoiceGrid.spacing.x, 1, Simd::automatic, progress});
+  return cpu::choose_band({mesh, kept, kChoiceGrid, thickness * kChoiceGrid.spacing.x, 1, Simd::automatic, progress});
+}
+BandAlgorithm chosen(const Mesh& mesh, double thickness, std::vector<std::uint32_t> kept = {}) {
+  return choice(mesh, thickness, std::move(kept)).algorithm;
 }
 
 TEST(BandChoice, LargeTrianglesAreSortedIntoBricksUpToThickBands) {
@@ -36,13 +38,24 @@ TEST(BandChoice, LargeTrianglesAreSortedIntoBricksUpToThickBands) {
 }
 
 TEST(BandChoice, TrianglesOfASampleAreSortedIntoBricksOnlyForThinBands) {
-  const Mesh mesh = welded_ball(1, 80);
+  const Mesh mesh = unwelded(welded_ball(1, 80));  // no regions
   EXPECT_EQ(chosen(mesh, 2), BandAlgorithm::bins);
   EXPECT_EQ(chosen(mesh, 6), BandAlgorithm::descent);
 }
 
+TEST(BandChoice, ScansOfTrianglesOfSomeSamplesGetRegions) {
+  const Mesh mesh = welded_ball(1, 26);
+  for (const double thickness : {5.0, 8.0, 12.0}) {
+    const cpu::BandChoice taken = choice(mesh, thickness);
+    EXPECT_EQ(taken.algorithm, BandAlgorithm::bins) << thickness;
+    EXPECT_EQ(taken.regions.size(), mesh.triangles.size()) << thickness;
+  }
+  EXPECT_TRUE(choice(mesh, 4).regions.empty());
+  EXPECT_TRUE(choice(unwelded(mesh), 6).regions.empty());
+}
+
 TEST(BandChoice, OnlyTrianglesInReachOfTheGridAndInUseCount) {
-  const Mesh few = welded_ball(1, 6), many = welded_ball(1, 80), both = joined(few, many);
+  const Mesh few = welded_ball(1, 6), many = unwelded(welded_ball(1, 80)), both = joined(few, many);
   std::vector<std::uint32_t> few_kept(few.triangles.size());
   std::iota(few_kept.begin(), few_kept.end(), 0u);
   EXPECT_EQ(chosen(both, 8), BandAlgorithm::descent);

@@ -175,7 +175,7 @@ DistanceField computed_by(cpu::BandAlgorithm algorithm, const Mesh& mesh, const 
   field.reset(grid, thickness, true);
   Sink sink(field);
   ProgressMeter progress;
-  cpu::run_tiles_by(algorithm, {mesh, {}, grid, thickness, 2, Simd::automatic, progress, {}, wanted}, sink);
+  cpu::run_tiles_by({algorithm, {}}, {mesh, {}, grid, thickness, 2, Simd::automatic, progress, {}, wanted}, sink);
   return field;
 }
 

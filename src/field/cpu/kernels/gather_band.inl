@@ -4,6 +4,7 @@
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
+#include "field/cpu/regions.h"
 #include "geometry/triangle_frame.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
@@ -159,7 +160,16 @@ struct BlockRanges {
   alignas(64) int last[3][kLanes];
 };
 
-STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Group& group, BlockRanges& ranges) {
+// How far the triangles reach beyond their boxes.
+STANDOFF_INLINE WideFloat reaches(const BlockLattice& lattice, const Candidates& c, const Group& group, int axis) {
+  if (!c.regions) return WideFloat(lattice.thickness);
+  alignas(64) float reach[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) reach[lane] = c.regions[group.index[lane]].reach[axis];
+  return WideFloat::load(reach);
+}
+
+STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Candidates& all, const Group& group,
+                                  BlockRanges& ranges) {
   constexpr int shift[3] = {2, 1, 1};
   static_assert(1 << shift[0] == kBlockX && 1 << shift[1] == kBlockY && 1 << shift[2] == kBlockZ);
   const WideFloat zero(0), side(kBrickSide), middle((kBrickSide - 1) / 2.0f), slack(kSlack), one(1);
@@ -167,7 +177,7 @@ STANDOFF_INLINE void block_ranges(const BlockLattice& lattice, const Group& grou
     const WideFloat a = component(group.corner[0], axis), b = component(group.corner[1], axis),
                     c = component(group.corner[2], axis);
     const WideFloat low = min(a, min(b, c)), high = max(a, max(b, c));
-    const WideFloat reach(lattice.thickness), inverse(lattice.inverse_spacing[axis]);
+    const WideFloat reach = reaches(lattice, all, group, axis), inverse(lattice.inverse_spacing[axis]);
     // Find the first sample at or above `low - reach`, and one past the last at or below `high + reach`.
     const WideFloat begin = fma(low - (reach + slack), inverse, middle) + (one - slack);
     const WideFloat end = fma(high + (reach + slack), inverse, middle) + (one + slack);
@@ -224,20 +234,125 @@ STANDOFF_INLINE void gather_short(const BlockLattice& lattice, const BlockRanges
   state.samples_examined += std::int64_t{kLanes} * nx * ny * nz;
 }
 
+// Where neighbours are nearer to the samples beside a triangle (docs/tiles.md, "Regions"), blocks beside it are left
+// out.
+
+// What tells the blocks that meet the regions of sixteen triangles: how far a block's centre may be from the plane, and
+// how far beyond each edge's line, less the tilt times the height.
+struct RegionLanes {
+  alignas(64) float tilt[kLanes];
+  alignas(64) float height[kLanes];
+  alignas(64) float base[kLanes];
+  alignas(64) float left[kLanes];
+  alignas(64) float right[kLanes];
+};
+
+STANDOFF_INLINE void make_regions(const BlockLattice& lattice, const Candidates& c, const Group& group,
+                                  const TriangleFrame<WideFloat>& f, RegionLanes& regions) {
+  for (int lane = 0; lane < kLanes; ++lane) regions.tilt[lane] = c.regions[group.index[lane]].tilt;
+  const WideFloat tilt = WideFloat::load(regions.tilt);
+  const auto half = [&](int axis, int side) __attribute__((always_inline)) {
+    return WideFloat(static_cast<float>(lattice.unit[axis] * (side - 1) / 2));
+  };
+  const WideFloat x = half(0, kBlockX), y = half(1, kBlockY), z = half(2, kBlockZ);
+  // By how much a linear function may change from a block's centre to its samples.
+  const auto change = [&](const WidePoint& g) __attribute__((always_inline)) {
+    return fma(abs(g.x), x, fma(abs(g.y), y, abs(g.z) * z));
+  };
+  const WideFloat slack = sqrt(fma(tilt, tilt, WideFloat(1))) * WideFloat(lattice.region_slack);
+  const WidePoint rise = f.z.g * tilt;
+  const auto beyond = [&](const WidePoint& outward) __attribute__((always_inline)) {
+    return max(change(outward - rise), change(outward + rise)) + slack;
+  };
+  (change(f.z.g) + WideFloat(lattice.thickness + kSlack)).store(regions.height);
+  beyond(f.y.g * WideFloat(-1)).store(regions.base);
+  beyond(f.q.g * -f.left.nx + f.y.g * f.left.ny).store(regions.left);
+  beyond(f.q.g * f.right.nx + f.y.g * f.right.ny).store(regions.right);
+}
+
+// Bits of a clump's blocks that are in columns, rows or slices first to last: by clump along the axis.
+template <int kCount, int kPerClump, int kShift>
+struct ClumpBits {
+  std::uint16_t of[kCount][kCount][kCount / kPerClump];
+  constexpr ClumpBits() : of() {
+    for (int first = 0; first < kCount; ++first)
+      for (int last = first; last < kCount; ++last)
+        for (int clump = 0; clump < kCount / kPerClump; ++clump)
+          for (int lane = 0; lane < kLanes; ++lane) {
+            const int at = kPerClump * clump + (lane >> kShift) % kPerClump;
+            if (at >= first && at <= last) of[first][last][clump] |= static_cast<std::uint16_t>(1u << lane);
+          }
+  }
+};
+constexpr ClumpBits<kBlocksX, 2, 0> kColumnBits;
+constexpr ClumpBits<kBlocksY, 4, 1> kRowBits;
+constexpr ClumpBits<kBlocksZ, 2, 3> kSliceBits;
+
+// Measures a short triangle from the blocks that meet its region, or are within the thickness if it has none.
+template <bool kNearest>
+STANDOFF_INLINE void gather_region(const BlockLattice& lattice, const BlockRanges& ranges, const FrameLanes& frames,
+                                   const RegionLanes& regions, int lane, std::uint32_t index, BrickState& state) {
+  const int x0 = ranges.first[0][lane], x1 = ranges.last[0][lane], y0 = ranges.first[1][lane],
+            y1 = ranges.last[1][lane], z0 = ranges.first[2][lane], z1 = ranges.last[2][lane];
+  if (x0 > x1 || y0 > y1 || z0 > z1) return;
+  const TriangleFrame<WideFloat> f = frame_of_lane<WideFloat>(frames, static_cast<std::uint32_t>(lane));
+  constexpr int kWord = 4;  // clumps of a word of bits
+  std::uint64_t met[kClumps / kWord] = {};
+  // Clumps are 2x4x2 blocks.
+  const auto meet = [&](auto is_met) __attribute__((always_inline)) {
+    for (int z = z0 / 2; z <= z1 / 2; ++z)
+      for (int y = y0 / 4; y <= y1 / 4; ++y)
+        for (int x = x0 / 2; x <= x1 / 2; ++x) {
+          const int clump = x + 2 * (y + 2 * z);
+          const WidePoint at = load_points(lattice.block_centers[clump]);
+          const std::uint32_t bits = is_met(evaluate(f.q, at), evaluate(f.y, at), evaluate(f.z, at)).to_bits() &
+                                     kColumnBits.of[x0][x1][x] & kRowBits.of[y0][y1][y] & kSliceBits.of[z0][z1][z];
+          met[clump / kWord] |= std::uint64_t{bits} << (kLanes * (clump % kWord));
+        }
+  };
+  if (regions.tilt[lane] == kNoTilt) {
+    const float reach = (lattice.thickness + lattice.block_radius) * (1 + kSlackRatio) + kSlack;
+    const WideFloat reach_sq(reach * reach);
+    meet([&](const WideFloat& q, const WideFloat& y, const WideFloat& z)
+             __attribute__((always_inline)) { return less(frame_distance_sq(f, q, y, z), reach_sq); });
+  } else {
+    const WideFloat down(-regions.tilt[lane]), height(regions.height[lane]), base(regions.base[lane]),
+        left(regions.left[lane]), right(regions.right[lane]);
+    meet([&](const WideFloat& q, const WideFloat& y, const WideFloat& z) __attribute__((always_inline)) {
+      const WideFloat above = abs(z), lowered = above * down, upper_left = fma(f.left.ny, y, lowered),
+                      upper_right = fma(f.right.ny, y, lowered);
+      return less(above, height) & less(lowered - y, base) & less(fma(f.left.nx, -q - f.left.leg, upper_left), left) &
+             less(fma(f.right.nx, q - f.right.leg, upper_right), right);
+    });
+  }
+  for (int word = 0; word < kClumps / kWord; ++word) {
+    state.samples_examined += std::int64_t{kLanes} * __builtin_popcountll(met[word]);
+    for (std::uint64_t bits = met[word]; bits; bits &= bits - 1) {
+      const int block = kClumpBlocks.block[kWord * word][__builtin_ctzll(bits)];
+      lower<kNearest>(state, block, distance_sq(f, block_samples(lattice, block)), index);
+    }
+  }
+}
+
 template <bool kNearest>
 void gather_band(const BlockLattice& lattice, const Brick& brick, const Candidates& c, BrickState& state) {
   Group group;
   BlockRanges ranges;
   FrameLanes frames;
+  RegionLanes regions;
   for (std::int64_t first = 0; first < c.count; first += kLanes) {
     load_group(lattice, brick, c, first, group);
-    block_ranges(lattice, group, ranges);
+    block_ranges(lattice, c, group, ranges);
     const std::uint32_t is_long = long_lanes(group);
-    store_frames(make_frames(group), frames);
+    const TriangleFrame<WideFloat> f = make_frames(group);
+    store_frames(f, frames);
+    if (c.regions) make_regions(lattice, c, group, f, regions);
     const int used = c.count - first < kLanes ? static_cast<int>(c.count - first) : kLanes;
     for (int lane = 0; lane < used; ++lane) {
       if (is_long >> lane & 1)
         gather_long<kNearest>(lattice, brick, c, group.index[lane], state);
+      else if (c.regions)
+        gather_region<kNearest>(lattice, ranges, frames, regions, lane, group.index[lane], state);
       else
         gather_short<kNearest>(lattice, ranges, frames, lane, group.index[lane], state);
     }

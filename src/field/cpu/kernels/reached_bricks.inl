@@ -4,6 +4,7 @@
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
+#include "field/cpu/regions.h"
 
 namespace standoff::cpu::STANDOFF_TARGET {
 namespace {
@@ -29,9 +30,18 @@ STANDOFF_INLINE void load_boxes(const MeshMemory& mesh, const std::uint32_t* tri
   }
 }
 
+// How far the triangles reach beyond their boxes, in samples.
+STANDOFF_INLINE WideDouble reaches(const BlockLattice& l, const std::uint32_t* triangles, const Region* regions,
+                                   int axis) {
+  if (!regions) return WideDouble(l.reach[axis]);
+  alignas(64) double reach[kReachLanes];
+  for (int lane = 0; lane < kReachLanes; ++lane) reach[lane] = regions[triangles[lane]].reach[axis];
+  return WideDouble::load(reach) * WideDouble(1 / l.unit[axis]) + WideDouble(2 * kBoxSlack);
+}
+
 // Rounds as reached_cells() does.
 void reached_bricks(const BlockLattice& l, const MeshMemory& mesh, const std::uint32_t* triangles,
-                    BrickRanges& ranges) {
+                    const Region* regions, BrickRanges& ranges) {
   static_assert(kReachLanes == WideDouble::kLanes);
   BoxLanes boxes;
   if (mesh.packed)
@@ -41,7 +51,7 @@ void reached_bricks(const BlockLattice& l, const MeshMemory& mesh, const std::ui
   const WideDouble zero(0.0), up(1 - kBoxSlack), one(1.0);
   for (int axis = 0; axis < 3; ++axis) {
     const WideDouble origin(l.origin[axis]), to_samples(l.to_samples[axis]), before(l.first[axis]),
-        reach(l.reach[axis]), past(static_cast<double>(l.size[axis]));
+        reach = reaches(l, triangles, regions, axis), past(static_cast<double>(l.size[axis]));
     const WideDouble from = (WideDouble::load(boxes.low[axis]) - origin) * to_samples - before - reach;
     const WideDouble to = (WideDouble::load(boxes.high[axis]) - origin) * to_samples - before + reach;
     std::int32_t(&low)[kReachLanes] = ranges.low[axis], (&high)[kReachLanes] = ranges.high[axis];
