@@ -70,7 +70,7 @@ STANDOFF_HD inline Lattice lattice_of(const GridAxis (&axes)[3], double thicknes
     l.size[axis] = along.size;
     l.tiles[axis] = tiles_along(along.size);
     l.to_samples[axis] = 1 / along.spacing;
-    l.reach[axis] = thickness * l.to_samples[axis] + 2 * kBoxSlack;
+    l.reach[axis] = thickness * l.to_samples[axis] + double{kSlack} / l.unit[axis] + 2 * kBoxSlack;
     for (int n = 0; n < kBrickSide; ++n) l.coordinate[axis][n] = brick_coordinate(l, n, axis);
   }
   l.thickness_units = thickness * l.scale;
@@ -190,7 +190,7 @@ STANDOFF_INLINE double cell_reach_sq(const Lattice& l) {
     const double half = l.unit[axis] * (kSide - 1) / 2;
     radius_sq += half * half;
   }
-  const double reach = (l.thickness_units + sqrt(radius_sq)) * (1 + kBoxSlack);
+  const double reach = (l.thickness_units + sqrt(radius_sq) + double{kSlack}) * (1 + kBoxSlack);
   return reach * reach;
 }
 

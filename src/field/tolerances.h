@@ -40,8 +40,8 @@ static_assert(kSlackRatio > gamma_float(10));
 /// nearest. Larger: more candidates are kept, of a mesh smaller than a sample nearly all.
 inline constexpr float kFrameError = 32 * 0x1p-23f;
 
-/// The same of a long triangle, whose frame only decides whether it is measured by its lines, those of corners in
-/// double. Larger, because corners lose more to rounding, the longer the triangle.
+/// The same of a long triangle, whose frame only culls it: it is measured by its lines, those of corners in double.
+/// Larger, because corners lose more to rounding, the longer the triangle.
 inline constexpr float kLongFrameError = 1.75f * kFrameError;
 
 /// The rest of that error, in grid units, so that the farthest corner alone counts: samples are up to 26 from the

@@ -163,10 +163,10 @@ TEST_F(Compute, SlabsFitWhereTheWholeFieldDoesNot) {
 TEST_F(Compute, DryRunOverTheMemoryLimit) {
   const Ran text = run(words("compute scene:box --dry-run --memory-limit 1M"));
   EXPECT_EQ(text.code, 5);
-  EXPECT_NE(text.out.find("needs at most 30.0 MiB beside the mesh, more than the limit of 1.0 MiB\n"),
+  EXPECT_NE(text.out.find("needs at most 30.6 MiB beside the mesh, more than the limit of 1.0 MiB\n"),
             std::string::npos)
       << text.out;
-  EXPECT_TRUE(text.says("standoff: error: compute: the field needs at most 30.0 MiB")) << text.err;
+  EXPECT_TRUE(text.says("standoff: error: compute: the field needs at most 30.6 MiB")) << text.err;
   const Ran as_json = run(words("compute scene:box --dry-run --memory-limit 1M --json"));
   EXPECT_EQ(as_json.code, 5);
   EXPECT_GT(as_json.json()["memory_needed_bytes"], as_json.json()["memory_limit_bytes"]);

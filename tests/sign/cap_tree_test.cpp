@@ -108,7 +108,7 @@ TEST(FieldsOfCaps, FarOnesAreWithinTheirErrors) {
       field.center = cell.center;
       const double bound = bound_of_field(caps.all(), cell);
       const bool is_rough = n % 2 == 0;
-      const FieldTolerance tolerance = is_rough ? FieldTolerance::of_center(0.1) : FieldTolerance(kFieldTolerance);
+      const FieldTolerance tolerance = is_rough ? FieldTolerance::of_groups(0.1) : FieldTolerance(kFieldTolerance);
       const bool is_known = add_far_field(caps.all(), cell, tolerance, field);
       known.fields += is_known;
       for (int m = 0; m < 3; ++m) {

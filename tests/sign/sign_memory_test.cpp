@@ -183,7 +183,8 @@ TEST(SignMemory, ADiagnosisTakesWhatWasSaid) {
 // the most, and its tiles come in chunks that double.
 TEST(SignMemory, FieldsOfOpenMeshesTakeWhatWasSaid) {
   for (const Kind& kind : usual_kinds()) {
-    const Grid grid = grid_of(kind.mesh, {64, 64, 64});
+    // Of cubic spacing: in 4 to 16 of the smallest spacings, what is said is the most that two algorithms take.
+    const Grid grid = fit_resolution(bounds(kind.mesh), 64);
     const ComputeOptions options = options_with(SignMethod::automatic);
     const double thickness = 2 * grid.max_spacing();
     const std::int64_t said = estimate(kind.mesh, grid, thickness, options).whole;

@@ -115,6 +115,9 @@ BandWork work_of(const Job& job, const Lattice& lattice, Of of) {
     for (Vec3& corner : p) corner = (corner - grid.origin) / grid.spacing - first;
     work.add(p, reach, grid.size, of(at), {lattice.unit[0], lattice.unit[1], lattice.unit[2]});
   }
+  // Where sheets lie in each other's bands, the descent visits a sample once.
+  const double share = triangles == 0 ? 0 : static_cast<double>(looks) / static_cast<double>(triangles);
+  work.samples = std::min(work.samples, static_cast<double>(grid.sample_count()) * share);
   return work;
 }
 

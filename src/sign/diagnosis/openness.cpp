@@ -68,7 +68,7 @@ std::vector<WeightedPoint> points_on(const OrientedMesh& mesh, std::size_t most)
 // The triangles between the boundary and an apex, seen from several points.
 class Cone {
  public:
-  static constexpr std::size_t kMostPoints = 8;
+  static constexpr std::size_t kPointsAtOnce = 8;
 
   // Puts the apex outside the bounds, and in no plane or line with corners on a lattice.
   Cone(const Boundary& boundary, const Box& bounds)
@@ -79,9 +79,10 @@ class Cone {
     for (std::size_t axis = 0; axis < 3; ++axis) apex_of_all_[axis].fill(scaled(apex_)[axis]);
   }
 
-  // Multiplies the weights of at most kMostPoints points by the cone's winding number there, less the nearest integer.
+  // Multiplies the weights of at most kPointsAtOnce points by the cone's winding number there, less the nearest
+  // integer.
   void weigh(std::span<WeightedPoint> points) const {
-    std::array<Sum, kMostPoints> sums;
+    std::array<Sum, kPointsAtOnce> sums;
     Edges some;
     for (std::size_t first = 0; first < edges_.size(); first += kChunk) {
       const std::span<const BoundaryEdge> edges =
@@ -166,7 +167,7 @@ double openness_of(const OrientedMesh& mesh, const Boundary& boundary) {
   const Cone cone(boundary, bounds(mesh.mesh));
   double weights = 0, sum = 0;
   for (const WeightedPoint& point : points) weights += point.weight;
-  const tbb::blocked_range<std::size_t> all(0, points.size(), Cone::kMostPoints);
+  const tbb::blocked_range<std::size_t> all(0, points.size(), Cone::kPointsAtOnce);
   tbb::parallel_for(
       all, [&](const auto& range) { cone.weigh(std::span(points).subspan(range.begin(), range.size())); },
       tbb::simple_partitioner());
@@ -232,7 +233,7 @@ OpenEdges open_edges_of(MeshView mesh, const MeshEdges& edges) {
 // in the eight cells at its nearest corner.
 DisjointSets welded_points(std::span<const Vec3> points, const Vec3& origin, double width) {
   using Cell = std::array<std::int64_t, 3>;
-  // Cells of the same slot share a list: their points are too far from each other to be joined.
+  // Cells of the same slot share a list. Their points are too far from each other to be joined, but count as compared.
   std::vector<std::uint32_t> last(std::bit_ceil(2 * points.size()), kNoPoint), before(points.size(), kNoPoint);
   const auto last_of = [&](const Cell& c) -> std::uint32_t& {
     std::uint64_t hash = 0;

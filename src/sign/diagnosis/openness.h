@@ -31,7 +31,7 @@ namespace standoff {
 double openness_of(const OrientedMesh& mesh, const Boundary& boundary);
 
 inline constexpr std::size_t kMostPoints = 512, kLeastPoints = 32;
-/// Solid angles of boundary edges in all: they take about a fifth of a second. With more than 625,000 edges,
+/// Solid angles of boundary edges in all: they take about a tenth of a second. With more than 625,000 edges,
 /// kLeastPoints count.
 inline constexpr std::size_t kMostAngles = 20'000'000;
 

@@ -38,21 +38,21 @@ inline constexpr double kFieldTolerance = 1e-3;
 /// When the field of caps is used in a cell.
 class FieldTolerance {
  public:
-  /// If its error at all points of the cell is at most `error`.
+  /// If its error in the cell is at most `error`.
   FieldTolerance(double error) : FieldTolerance(error, error) {}
-  /// If its error at the cell's center is at most `error`. The error elsewhere is that of a linear function, which
-  /// smaller groups of caps have as well.
-  static FieldTolerance of_center(double error) { return {error, std::numeric_limits<double>::infinity()}; }
+  /// If its error from taking caps together is at most `error`. That of a linear function in the cell comes on top:
+  /// smaller groups of caps have it as well.
+  static FieldTolerance of_groups(double error) { return {error, std::numeric_limits<double>::infinity()}; }
 
   double in_cell() const { return in_cell_; }
-  /// Whether the error at the center is too large at this distance, or the caps are not farther than their radius.
+  /// Whether the error from taking the caps together is too large at this distance, or they are within their radius.
   bool is_near(const Moments& caps, double distance_sq) const {
     const double near = caps.radius + caps.error_reach * reach_;
     return !(distance_sq > near * near);
   }
 
  private:
-  FieldTolerance(double at_center, double in_cell) : reach_(1 / std::sqrt(std::sqrt(at_center))), in_cell_(in_cell) {}
+  FieldTolerance(double of_group, double in_cell) : reach_(1 / std::sqrt(std::sqrt(of_group))), in_cell_(in_cell) {}
 
   double reach_, in_cell_;
 };

@@ -61,7 +61,7 @@ class PointSum {
   Interval refine(double tolerance);
 
  private:
-  // A field that is in the sum.
+  // A node whose field is in the sum; or, with an infinite error, one that was not looked at yet.
   struct Field {
     double value, error;
     std::int32_t node;

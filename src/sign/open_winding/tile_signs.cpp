@@ -33,8 +33,8 @@ constexpr double kUseless = 0.24;
 // More near rims than kManyRims are summed up in float. Where a cell has more than kVeryManyRims, most of them are a
 // few samples away, so that roughly known fields of groups decide more than exact angles of rims.
 constexpr std::size_t kManyRims = 64, kVeryManyRims = 256;
-// The errors of fields there. Time hardly depends on them. kKnown: in a cell, for good. kRoughInCell: at its center, to
-// decide it as a whole. kRough: at a sample, at first; then each time by kFiner less, down to kFinest, which is not
+// The errors of fields there. Time hardly depends on them. kKnown: in a cell, for good. kRoughInCell: of groups, to
+// decide a cell as a whole. kRough: at a sample, at first; then each time by kFiner less, down to kFinest, which is not
 // much more than the error of angles in float.
 constexpr double kKnown = 3e-4, kRoughInCell = 1e-3, kRough = 4e-3, kFiner = 4, kFinest = 1e-7;
 // Few samples are decided one by one.
@@ -102,7 +102,7 @@ void TileSigns::decide_among_many(const SampleBox& box, NodeStack::Part nodes, L
   if (has_more_undecided_than(kFewRows, box)) {
     const std::size_t before = stack_.size();
     LinearField rough = far;
-    if (auto rims = stack_.add_far_up_to(kVeryManyRims, near, cell, FieldTolerance::of_center(kRoughInCell), rough))
+    if (auto rims = stack_.add_far_up_to(kVeryManyRims, near, cell, FieldTolerance::of_groups(kRoughInCell), rough))
       decide_by_fields(box, cell, *rims, rough, kRoughInCell);
     stack_.resize(before);
   }
@@ -111,7 +111,11 @@ void TileSigns::decide_among_many(const SampleBox& box, NodeStack::Part nodes, L
   else
     for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
       const Vec3 p = mesh_.grid.position(i, j, k);
-      decide_by_sums(row, bit_of(i), p, near, {far.at(p), far.error});
+      // Caps larger than the cell are all among the nodes: one by one they take longer than groups from the root.
+      if (near.end - near.begin > kVeryManyRims)
+        decide_by_sums(row, bit_of(i), p, stack_.root(), {0, 0});
+      else
+        decide_by_sums(row, bit_of(i), p, near, {far.at(p), far.error});
     });
   stack_.resize(size);
 }
@@ -235,7 +239,8 @@ bool TileSigns::decide_sample(std::size_t row, unsigned x, const Interval& angle
 
 bool TileSigns::decide_sample(std::size_t row, unsigned x, double winding, double error) {
   const double distance = margin(winding, mesh_.rule);
-  if (distance < error || (error > kDoubtError && distance < error + kDoubt)) return false;
+  // NaN decides nothing.
+  if (!(distance >= error) || (error > kDoubtError && distance < error + kDoubt)) return false;
   doubtful_ += distance < kDoubt;
   const auto bit = static_cast<std::uint8_t>(1u << x);
   undecided_[row] &= static_cast<std::uint8_t>(~bit);

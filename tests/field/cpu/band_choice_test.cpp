@@ -54,6 +54,13 @@ TEST(BandChoice, ScansOfTrianglesOfSomeSamplesGetRegions) {
   EXPECT_TRUE(choice(unwelded(mesh), 6).regions.empty());
 }
 
+// Sheets in each other's bands: the descent visits no sample twice, though each sheet alone has as many.
+TEST(BandChoice, LayersTakeTheDescent) {
+  Mesh layers;
+  for (int n = 0; n < 24; ++n) layers = joined(std::move(layers), welded_ball(0.8 + 0.01 * n, 26));
+  EXPECT_EQ(chosen(layers, 14), BandAlgorithm::descent);
+}
+
 TEST(BandChoice, OnlyTrianglesInReachOfTheGridAndInUseCount) {
   const Mesh few = welded_ball(1, 6), many = unwelded(welded_ball(1, 80)), both = joined(few, many);
   std::vector<std::uint32_t> few_kept(few.triangles.size());

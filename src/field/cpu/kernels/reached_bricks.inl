@@ -39,7 +39,7 @@ STANDOFF_INLINE WideDouble reaches(const BlockLattice& l, const std::uint32_t* t
   return WideDouble::load(reach) * WideDouble(1 / l.unit[axis]) + WideDouble(2 * kBoxSlack);
 }
 
-// Rounds as reached_cells() does.
+// The bricks of reached_cells(), or fewer for triangles with regions.
 void reached_bricks(const BlockLattice& l, const MeshMemory& mesh, const std::uint32_t* triangles,
                     const Region* regions, BrickRanges& ranges) {
   static_assert(kReachLanes == WideDouble::kLanes);
