@@ -261,8 +261,7 @@ struct Kernels {
   const char* name;
   // Of two functions, the second one finds the nearest triangles too.
   /// The bricks with samples in the boxes of eight triangles, grown by the thickness or, where there are regions, by
-  /// their reaches. Requires less than 2^31 samples
-  /// on each axis.
+  /// their reaches. Requires less than 2^31 samples on each axis.
   void (*reached_bricks)(const BlockLattice&, const MeshMemory&, const std::uint32_t* triangles, const Region* regions,
                          BrickRanges&);
   /// Bits of those of eight points whose squared distance from the triangle is at most `reach_sq`.

@@ -366,7 +366,7 @@ std::string tiles_device(Simd requested) { return kernels_for(requested).name; }
 
 std::int64_t tiles_scratch_bytes(const MeshLoad& mesh, const Grid& grid, double thickness, int threads) {
   const BlockLattice lattice = make_block_lattice(grid, thickness);
-  const bool is_thick = may_take_descent(grid, thickness);
+  const bool is_thick = may_take_descent(grid, thickness);  // then bins may have regions
   std::int64_t bytes = 0;
   if (may_take_bins(mesh.triangles, grid, thickness)) bytes = thin_scratch_bytes(mesh, lattice, is_thick, threads);
   if (is_thick) bytes = std::max(bytes, thick_scratch_bytes(mesh.triangles, lattice, threads));
