@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that clear, count and write the distances of a brick; and the kernel of bins, which measures each triangle
-// from the blocks of samples that its box, grown by the thickness, reaches, or that meet its region.
+// The kernels that clear, count and write the distances of a brick; and the kernel of bins, which measures each
+// triangle from the blocks of samples that its box, grown by the thickness, reaches, or that meet its region.
 #pragma once
 
 #include "field/cpu/kernels/triangle_frames.inl"
