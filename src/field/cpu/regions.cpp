@@ -54,6 +54,9 @@ float region_step(const Lattice& lattice) {
   return std::max(kLeastStep, static_cast<float>(1.001 * std::sqrt(4 * error * (lattice.thickness_units + error))));
 }
 
+// region_slack() for this step.
+float slack_of(float step) { return step / kLeastSine + kSlack; }
+
 // The unit normal of the job's n-th triangle if that is large, small and round enough to bound regions; else 0.
 Normal normal_of(const Job& job, const Lattice& lattice, float step, std::int64_t n) {
   const auto [a, b, c] = job.mesh.corners(job.triangle(n));
@@ -111,7 +114,7 @@ class Finding {
     });
     in_parts(static_cast<std::int64_t>(around_.size()),
              [&](std::int64_t first, std::int64_t end) { look_around(first, end); });
-    const float slack = region_slack(lattice_);
+    const float slack = slack_of(step_);
     Regions regions(job_.mesh.triangles.size());
     in_parts(job_.triangle_count(), [&](std::int64_t first, std::int64_t end) {
       for (std::int64_t n = first; n < end; ++n)
@@ -188,7 +191,7 @@ class Finding {
 }  // namespace
 
 Region guessed_region(const Job& job, const Lattice& lattice, std::int64_t n) {
-  const float step = region_step(lattice), slack = region_slack(lattice);
+  const float step = region_step(lattice);
   const std::int64_t next = std::min(n + 1, job.triangle_count() - 1);
   const Normal here = normal_of(job, lattice, step, n), there = normal_of(job, lattice, step, next);
   const Triangle mine = job.mesh.triangles[job.triangle(n)], others = job.mesh.triangles[job.triangle(next)];
@@ -196,10 +199,10 @@ Region guessed_region(const Job& job, const Lattice& lattice, std::int64_t n) {
   const float cosine = dot(here, there), bend = std::sqrt(std::max(0.0f, 1 - cosine * cosine)) / cosine;
   float tilt = kUsualTilt;
   if (are_neighbours) tilt = cosine > 0 && kTiltOfBend * bend <= kMostTilt ? kTiltOfBend * bend : kNoTilt;
-  return region_of(here, dot(here, here) > 0 ? tilt : kNoTilt, lattice, slack);
+  return region_of(here, dot(here, here) > 0 ? tilt : kNoTilt, lattice, slack_of(step));
 }
 
-float region_slack(const Lattice& lattice) { return region_step(lattice) / kLeastSine + kSlack; }
+float region_slack(const Lattice& lattice) { return slack_of(region_step(lattice)); }
 
 std::int64_t regions_bytes(std::int64_t triangles) {
   return most_region_triangles(triangles) * static_cast<std::int64_t>(sizeof(Region));

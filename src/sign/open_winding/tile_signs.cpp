@@ -100,13 +100,12 @@ void TileSigns::decide_among_many(const SampleBox& box, NodeStack::Part nodes, L
   far.move_to(cell.center);
   const NodeStack::Part near = stack_.add_far(nodes, cell, kKnown, cell.radius / 2, far);
   if (has_more_undecided_than(kFewRows, box)) {
-    const std::size_t before = stack_.size();
     LinearField rough = far;
     if (auto rims = stack_.add_far_up_to(kVeryManyRims, near, cell, FieldTolerance::of_groups(kRoughInCell), rough))
       decide_by_fields(box, cell, *rims, rough, kRoughInCell);
-    stack_.resize(before);
+    stack_.resize(near.end);
   }
-  if (longest(box) > 2)
+  if (!is_smallest(box))
     for_each_part(box, [&](const SampleBox& part) { decide_among_many(part, near, far); });
   else
     for_each_undecided(box, [&](std::int64_t i, std::int64_t j, std::int64_t k, std::size_t row) {
