@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sign/diagnosis/openness.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
 
 #include <algorithm>
 #include <array>
@@ -167,10 +165,11 @@ double openness_of(const OrientedMesh& mesh, const Boundary& boundary) {
   const Cone cone(boundary, bounds(mesh.mesh));
   double weights = 0, sum = 0;
   for (const WeightedPoint& point : points) weights += point.weight;
-  const tbb::blocked_range<std::size_t> all(0, points.size(), Cone::kPointsAtOnce);
-  tbb::parallel_for(
-      all, [&](const auto& range) { cone.weigh(std::span(points).subspan(range.begin(), range.size())); },
-      tbb::simple_partitioner());
+  const std::size_t groups = (points.size() + Cone::kPointsAtOnce - 1) / Cone::kPointsAtOnce;
+  tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t n) {
+    const auto rest = std::span(points).subspan(n * Cone::kPointsAtOnce);
+    cone.weigh(rest.first(std::min(rest.size(), Cone::kPointsAtOnce)));
+  });
   for (const WeightedPoint& point : points) sum += 2 * std::abs(point.weight);
   return weights > 0 ? sum / weights : 0;
 }
