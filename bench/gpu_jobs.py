@@ -74,6 +74,7 @@ def own_jobs():
     jobs += [goal("many", "tiles", output, SMALL, 2, triangles=5000) for output in ("batch_1000", "singles_1000")]
     jobs += [goal("factory", "tiles", output, FACTORY, 2) for output in ("signed_sparse", "signed")]
     jobs += [goal("catapult", "tiles", "signed", CATAPULT, 2)]
+    jobs += [goal("factory", "tiles", output, FACTORY, 2) for output in ("nearest", "beside")]
     # The case that Newton publishes: an icosphere of 5,120 triangles. This sphere has 5,000.
     jobs += [goal("sphere", "tiles", "signed", ((n, n, n), (n, n, n)), float("inf"), triangles=5120) for n in (32, 64, 128)]
     jobs += [goal("catapult", "tiles", "sparse", CATAPULT, 2), goal("factory", "thesis", "dense", FACTORY, 2),

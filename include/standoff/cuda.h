@@ -49,6 +49,16 @@ struct DeviceOutput {
   std::int64_t slot_capacity = 0;  ///< sparse: how many tiles `values` can hold
 };
 
+/// What is written beside the values, in device memory; null: not that. As SidecarKind says (standoff/sidecars.h), with
+/// the bits of sidecars(). The numbers of the sample at values[n] are at 3 * n, the feature at n. Samples without a
+/// nearest triangle have 0.
+struct DeviceSidecars {
+  float* closest_point = nullptr;
+  float* barycentric = nullptr;
+  std::uint8_t* feature = nullptr;
+  float* gradient = nullptr;
+};
+
 /// The result of a task. The GPU writes it to device memory; copy it to the host and call check().
 struct Outcome {
   static constexpr unsigned long long kNone = ~0ull, kNoSeeds = ~1ull, kNoPlace = ~2ull, kNoOrder = ~3ull;
@@ -84,6 +94,9 @@ struct Task {
   /// which are the same here; `rule`, `invert` and `as_oriented` are obeyed; `strict` changes nothing.
   /// All triangles count for it, whatever is `kept`; one that is not valid is found after the values were written.
   SignOptions sign = SignOptions{SignMethod::none};
+  /// Requires output.nearest. Gradients are those of the values with their signs; where the outcome has doubts about
+  /// these, gradients are undefined too. Coordinates must be within 2^100 spacings of the grid: this is not checked.
+  DeviceSidecars sidecars = {};
 };
 
 /// An estimate of the number of list entries, which is enough for most meshes of this size. Outcome::needed_entries
@@ -103,7 +116,8 @@ STANDOFF_API std::int64_t workspace_bytes(const Task& task, std::int64_t entries
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done. Its previous content does not matter, and its content afterwards is undefined. Mesh and output must
 /// not be changed until the work is done. The field has the same bits as that of compute(). Errors: usage (grid,
-/// thickness, null pointers, a workspace that is too small; the message gives the size needed; a sign that is decided
+/// thickness, null pointers, a workspace that is too small; the message gives the size needed; sidecars without
+/// nearest triangles; a sign that is decided
 /// on the CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the
 /// largest spacing), device.
 STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);

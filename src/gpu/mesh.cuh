@@ -16,6 +16,7 @@ namespace standoff::STANDOFF_PLATFORM {
 #ifndef __CUDACC__  // the emulation runs the tasks of standoff/cuda.h in plain memory
 using cuda::DeviceMesh;
 using cuda::DeviceOutput;
+using cuda::DeviceSidecars;
 using cuda::Outcome;
 using cuda::Task;
 #endif

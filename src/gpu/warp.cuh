@@ -44,6 +44,17 @@ STANDOFF_DEVICE Number warp_sum(Number number) {
   return number;
 }
 
+/// The sum of the numbers of this lane and of all lanes before it.
+template <class Number>
+STANDOFF_DEVICE Number warp_sum_up_to(Number number) {
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  for (int step = 1; step < 32; step *= 2) {
+    const Number before = __shfl_sync(0xffffffffu, number, lane - step);
+    if (lane >= step) number += before;
+  }
+  return number;
+}
+
 /// The last of `count` ascending numbers that is at most `key`: its index, or 0. The lanes look at 32 numbers at once,
 /// so a million takes four steps. If the numbers do not ascend, the index is one of theirs all the same.
 template <class Number>

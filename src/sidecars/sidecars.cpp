@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sidecars: makes data of a field's samples from their nearest triangles, tile by tile.
-#include "standoff/sidecars.h"
+#include "sidecars/sidecars.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -24,6 +24,7 @@
 #include "sign/sign_text.h"
 #include "simd/dispatch.h"
 #include "standoff/error.h"
+#include "standoff/sidecars.h"
 
 namespace standoff {
 namespace {
@@ -81,13 +82,6 @@ GradientSign gradient_sign(const DistanceField& field) {
   return sign;
 }
 
-// The orientation of triangles that the sign was decided with; empty if it is the mesh's own.
-std::vector<std::int8_t> orientation_of(MeshView mesh, const GradientSign& sign) {
-  if (!sign.how || !sign.how->oriented) return {};
-  ProgressMeter unwatched;
-  return plan_sign(mesh, {.method = sign.how->method, .rule = sign.how->rule}, unwatched).use;
-}
-
 // The sidecars of a tile, before they are copied to their places.
 struct Scratch {
   StreamedCopies copies;
@@ -104,11 +98,11 @@ class Pass {
       : field_(field),
         tiles_(field.tile_coordinates()),
         kernels_(dispatch_of<cpu::SidecarKernels>().of(simd, "sidecars")) {
-    const int exponent = -std::ilogb(field.grid().max_spacing());
+    const double scale = sidecar_scale(field.grid());
     mesh_ = {cpu::memory_of(mesh),
              static_cast<std::uint32_t>(mesh.triangles.size()),
-             std::ldexp(1.0, exponent),
-             std::ldexp(1.0, -exponent),
+             scale,
+             1 / scale,
              true,
              false,
              nullptr,
@@ -210,7 +204,7 @@ void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& pro
   on_surface.for_each(
       [&](const std::vector<std::size_t>& some) { again.insert(again.end(), some.begin(), some.end()); });
   if (again.empty() || !sign.has_sign) return;
-  const std::vector<std::int8_t> use = orientation_of(mesh, sign);
+  const std::vector<std::int8_t> use = sign.how ? orientation_of(mesh, *sign.how) : std::vector<std::int8_t>();
   if (use.empty()) return;
   pass.set_use(use);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, again.size(), kGrain), [&](const auto& range) {
@@ -220,6 +214,12 @@ void run(Pass& pass, MeshView mesh, const GradientSign& sign, ProgressMeter& pro
 }
 
 }  // namespace
+
+std::vector<std::int8_t> orientation_of(MeshView mesh, const SignText& sign) {
+  if (!sign.oriented) return {};
+  ProgressMeter unwatched;
+  return plan_sign(mesh, {.method = sign.method, .rule = sign.rule}, unwatched).use;
+}
 
 std::string name_of(SidecarKind kind) {
   switch (kind) {

@@ -44,7 +44,8 @@ struct alignas(256) Aligned {
   char bytes[256];
 };
 
-Reference emulate(const Case& c, Method method) {
+/// With sidecars in host memory, if any.
+Reference emulate(const Case& c, Method method, const cuda::DeviceSidecars& sidecars = {}) {
   const auto samples = static_cast<std::size_t>(c.grid.sample_count());
   Reference r{std::vector<float>(samples), std::vector<std::uint32_t>(samples), {}};
   cuda::Task task;
@@ -55,6 +56,7 @@ Reference emulate(const Case& c, Method method) {
   task.method = method;
   task.sign = c.sign;
   task.output = {r.values.data(), r.nearest.data(), nullptr, 0};
+  task.sidecars = sidecars;
   task.outcome = &r.outcome;
   std::int64_t entries = cuda::likely_entries(task.mesh.triangle_count, c.grid, c.thickness, method);
   do {
@@ -315,8 +317,41 @@ int run_signs(bool quick) {
                "signs: " + std::to_string(wrong) + " of " + std::to_string(3 * all.size()) + " fields are wrong");
 }
 
+/// Sidecars of dense fields, some with a sign.
+int run_sidecars(bool quick) {
+  using namespace STANDOFF_PLATFORM;
+  std::vector<Case> all = cases(quick);
+  const Mesh ball = scenes::make("sphere", quick ? 400 : 3000);
+  all.push_back({"sphere", ball, fit_resolution(bounds(ball), quick ? 20 : 48, {.least_samples = 0}), 0.3, {}});
+  int wrong = 0;
+  for (const Case& c : all) {
+    const std::int64_t samples = c.grid.sample_count(), floats = 3 * samples;
+    const auto count = static_cast<std::size_t>(floats);
+    std::vector<float> closest(count), weights(count), gradient(count), found(count);
+    std::vector<std::uint8_t> feature(count / 3), found_feature(count / 3);
+    emulate(c, Method::tiles, {closest.data(), weights.data(), feature.data(), gradient.data()});
+    FieldOnDevice field(c.mesh, c.grid, c.thickness, Method::tiles, Layout::dense, true, c.sign);
+    field.run();
+    const Memory room(4 * 3 * floats), features(samples);
+    float* const arrays = room.as<float>();
+    cuda::Task task = field.task();
+    task.sidecars = {arrays, arrays + floats, features.as<std::uint8_t>(), arrays + 2 * floats};
+    STANDOFF_PLATFORM::enqueue(task, field.workspace(), field.workspace_bytes(), nullptr);
+    const std::vector<float>* const expected[] = {&closest, &weights, &gradient};
+    for (std::int64_t n = 0; n < 3; ++n) {
+      copy_out(found.data(), arrays + n * floats, 4 * floats);
+      wrong += different(found, *expected[n]) != 0;
+    }
+    copy_out(found_feature.data(), features.as<std::uint8_t>(), samples);
+    wrong += found_feature != feature;
+  }
+  return judge(wrong == 0,
+               "sidecars: " + std::to_string(wrong) + " of " + std::to_string(4 * all.size()) + " arrays are wrong");
+}
+
 int run_all(bool quick) {
-  int faults = run_faults() + run_graph() + run_blocking() + run_batch(quick) + run_signs(quick), count = 12;
+  int faults = run_faults() + run_graph() + run_blocking() + run_batch(quick) + run_signs(quick) + run_sidecars(quick),
+      count = 13;
   if (!quick) {
     faults += run_large();
     ++count;

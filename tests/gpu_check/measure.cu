@@ -4,7 +4,8 @@
 //   TABLE SCENE TRIANGLES METHOD OUTPUT NX NY NZ EX EY EZ SCALE MARGIN THICKNESS SECONDS_2008 AT_MOST_MS
 // TRIANGLES 0: the scene's own. OUTPUT: dense, sparse, graph (dense, replayed as a CUDA graph), host (from host memory
 // to host memory, dense), upload and download (its copies alone), compute (what compute() does of it: from host memory
-// to a new sparse field there), signed and signed_sparse (with the device's sign), counting (the part of dense before
+// to a new sparse field there), nearest (dense, with nearest triangles), beside (the same with closest points and
+// gradients), signed and signed_sparse (with the device's sign), counting (the part of dense before
 // triangles are listed), batch_N (N meshes in one sequence of launches; SCENE is then many: copies of eight scenes, of
 // about TRIANGLES triangles each), singles_N (the same one after the other), or dense with parts left out (parts.cuh).
 // The grid has NX NY NZ cells in a box of EX EY EZ units, a sample in the middle of each. SCALE is the mesh's, or 0 to
@@ -116,6 +117,8 @@ double on_host(Work work) {
 
 bool is_signed(const Line& l) { return l.output.starts_with("signed"); }
 bool is_sparse(const Line& l) { return l.output.ends_with("sparse"); }
+/// Dense, with nearest triangles.
+bool has_nearest(const Line& l) { return l.output == "nearest" || l.output == "beside"; }
 
 Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   std::vector<float> values;
@@ -142,14 +145,19 @@ Times measure(const Line& l, const Mesh& mesh, FieldOnDevice& field) {
   if (l.output == "download") return repeated([&] { return on_host([&] { field.download(values); }); });
   if (l.output == "counting") field.take_entries_away();
   const Part* const part = find_part(l.output);
-  if (!part && l.output != "counting" && !is_signed(l) && l.output != "dense" && l.output != "sparse")
-    throw Error(ErrorCode::usage, "no output '" + l.output + "'");
+  const bool is_field = l.output == "dense" || l.output == "sparse" || is_signed(l) || has_nearest(l);
+  if (!part && l.output != "counting" && !is_field) throw Error(ErrorCode::usage, "no output '" + l.output + "'");
+  const std::int64_t floats = l.output == "beside" ? 3 * field.task().grid.sample_count() : 0;
+  const Memory beside(8 * floats);
+  Task task = field.task();
+  if (floats != 0)
+    task.sidecars.closest_point = beside.as<float>(), task.sidecars.gradient = beside.as<float>() + floats;
   return repeated([&] {
     clock.start(nullptr);
     if (part)
       part->enqueue(field.task(), field.workspace(), field.workspace_bytes(), nullptr);
     else
-      field.enqueue(nullptr);
+      STANDOFF_PLATFORM::enqueue(task, field.workspace(), field.workspace_bytes(), nullptr);
     return clock.stop(nullptr);
   });
 }
@@ -220,7 +228,7 @@ void run(const Line& l) {
   const Grid grid{l.size, 0.5 * spacing, spacing};
   const double thickness = l.thickness == "inf" ? std::numeric_limits<double>::infinity() : std::stod(l.thickness);
   const Method method = l.method == "thesis" ? Method::thesis : Method::tiles;
-  FieldOnDevice field(mesh, grid, thickness, method, is_sparse(l) ? Layout::sparse : Layout::dense, false,
+  FieldOnDevice field(mesh, grid, thickness, method, is_sparse(l) ? Layout::sparse : Layout::dense, has_nearest(l),
                       {.method = is_signed(l) ? SignMethod::winding : SignMethod::none});
   const Outcome outcome = field.run();
   if (profiles) return profile(field);

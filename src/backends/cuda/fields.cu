@@ -15,6 +15,7 @@
 #include "core/guarded.h"
 #include "field/cuda/counted_run.cuh"
 #include "gpu/platform.cuh"
+#include "sidecars/cuda/sidecars.cuh"
 #include "sign/cuda/sign.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -74,6 +75,7 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
     check_task(task);
     check_vertices(task.mesh);
     if (task.sign.method != SignMethod::none) check_sign(task);
+    check_sidecars(task);
     check_workspace(workspace, bytes, bytes_for(task, 0));
   }
   for (const Task& task : tasks) {
@@ -81,9 +83,12 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
     with_pipeline(task.method, task.grid, task.thickness, [&]<class Pipeline>() {
       in_workspace<Pipeline>(task, l, workspace, bytes).enqueue(l, task, stream);
     });
-    if (task.sign.method == SignMethod::none) continue;
-    gpu::Workspace memory(workspace);
-    SignArrays(memory, task).enqueue(task, stream);
+    const bool has_sign = task.sign.method != SignMethod::none;
+    if (has_sign) {
+      gpu::Workspace memory(workspace);
+      SignArrays(memory, task).enqueue(task, stream);
+    }
+    enqueue_sidecars(task, {has_sign, has_sign && task.sign.invert, nullptr}, stream);
   }
 } catch (...) {
   throw_as_error("cuda");

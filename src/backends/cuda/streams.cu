@@ -11,8 +11,10 @@
 #include "field/prepare.h"
 #include "gpu/devices.h"
 #include "gpu/platform.cuh"
+#include "sidecars/cuda/sidecars.cuh"
 #include "sign/cuda/sign_values.cuh"
 #include "sign/plan.h"
+#include "sign/sign_text.h"
 #include "standoff/occupancy.h"
 
 namespace standoff::STANDOFF_PLATFORM {
@@ -192,6 +194,21 @@ SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Cal
   return found.sign;
 }
 
+// Makes the sidecars of a finished field, whose values have this sign. Waits for the stream.
+void make_sidecars(const Task& task, const SignText& sign, CallerMemory& room, Stream stream) {
+  SurfaceNormals normals{sign.method != SignMethod::none, sign.invert, nullptr};
+  std::vector<std::int8_t> use;
+  if (task.sidecars.gradient && sign.oriented) use = orientation_of(copied(task.mesh), sign);
+  if (!use.empty()) {
+    const auto bytes = static_cast<std::int64_t>(use.size());
+    auto* const on_device = room.room_for<std::int8_t>(bytes);
+    copy_in_later(on_device, use.data(), bytes, stream);
+    normals.use = on_device;
+  }
+  enqueue_sidecars(task, normals, stream);
+  wait_for(stream);
+}
+
 }  // namespace
 
 std::vector<OrError<Box>> bounds_on_stream(std::span<const MeshView> views, const OnStream& on) {
@@ -211,13 +228,17 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
     answer_with(answers[one.place], [&] {
       const FieldRequest& r = requests[one.place];
       check_domain(one.box, r.grid);
-      Task task{
-          one.packed.mesh(), r.grid, r.thickness, r.method, {.values = r.values}, meshes.outcome_on_device(one.place)};
+      Task task{one.packed.mesh(),
+                r.grid,
+                r.thickness,
+                r.method,
+                {.values = r.values, .nearest = r.nearest},
+                meshes.outcome_on_device(one.place)};
       if (is_sign_on_device(r.sign)) task.sign = r.sign;
       wanted.push_back(
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });
-  std::vector<Wanted> left_to_host;
+  std::vector<Wanted> left_to_host, finished;
   CallerMemory workspace(on.memory);
   while (!wanted.empty()) {
     compute_once(wanted, workspace, meshes, on.stream);
@@ -238,6 +259,7 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
       answer_with(answers[one.place], [&] {
         cuda::check(made.outcome, one.task);
         answers[one.place] = made;
+        finished.push_back(one);
       });
     }
     wanted = std::move(again);
@@ -246,6 +268,14 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
     answer_with(answers[one.place], [&] {
       if (FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]))
         found->sign = sign_by_host(one.task.mesh, requests[one.place], workspace, on.stream);
+    });
+  for (Wanted& one : finished)
+    answer_with(answers[one.place], [&] {
+      const FieldRequest& request = requests[one.place];
+      one.task.sidecars = request.sidecars;
+      const FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]);
+      if (found && wants_any(request.sidecars))
+        make_sidecars(one.task, sign_text_of(request.sign, found->sign), workspace, on.stream);
     });
   return answers;
 }

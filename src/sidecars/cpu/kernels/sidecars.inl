@@ -6,6 +6,7 @@
 
 #include "geometry/closest_part.h"
 #include "sidecars/cpu/kernels.h"
+#include "sidecars/tile_rules.h"
 #include "simd/points.inl"
 #include "simd/target.h"
 #include "standoff/mesh.h"
@@ -69,7 +70,6 @@ STANDOFF_INLINE bool find_samples(const SidecarMesh& mesh, const SidecarTile& ti
 // has all nearest triangles.
 STANDOFF_INLINE bool sort_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, SamplesByTriangle& sorted) {
   constexpr int kLanes = WideFloat::kLanes;
-  constexpr int kTriangles = 8, kLeastSamples = 5;  // stops if this many triangles have fewer samples each on average
   alignas(64) std::uint32_t nearest[SidecarTile::kSamples + kLanes];
   Samples all;
   if (!find_samples(mesh, tile, all, nearest)) return false;
@@ -82,10 +82,9 @@ STANDOFF_INLINE bool sort_by_triangle(const SidecarMesh& mesh, const SidecarTile
     to.count += store_packed(to.at + to.count, mask_from_bits(which), WideUint::load(all.at + v * kLanes));
   };
   Samples& samples = sorted.samples;
-  const auto pays = [&] { return sorted.triangles < kTriangles || samples.count >= kLeastSamples * sorted.triangles; };
   sorted.first[0] = 0;
   for (int v = 0; v < vectors; ++v) {
-    while (left[v] != 0 && pays()) {
+    while (left[v] != 0 && prepares_more(sorted.triangles, samples.count)) {
       const std::uint32_t triangle = nearest[v * kLanes + __builtin_ctz(left[v])];
       prefetch_indices(mesh.memory, triangle);
       for (int other = v; other < vectors; ++other)
@@ -225,27 +224,20 @@ STANDOFF_INLINE void fill_face(const SidecarMesh& mesh, const SidecarTile& tile,
       store_packed(others.at + others.count, mask_from_bits(~at.is_inside.to_bits() & used), WideUint::load(samples));
 }
 
-// An upper bound of the squared distance between a point and the tile's samples.
-STANDOFF_INLINE WideDouble reach_sq(const ScaledPlaces& places, const DoublePoint& point) {
-  const auto along = [&](int axis, const WideDouble& at) __attribute__((always_inline)) {
-    const WideDouble low = at - WideDouble(places.at[axis][0]),
-                     high = WideDouble(places.at[axis][SidecarTile::kSide - 1]) - at;
-    const WideDouble most = max(low, high);
-    return most * most;
-  };
-  return along(0, point.x) + along(1, point.y) + along(2, point.z);
-}
-
 // Fills the samples of triangles with several samples: eight triangles are prepared at once, and then taken one by one.
 // A triangle's last group runs on into samples of the next triangle, which are filled again later.
 template <bool kPacked>
 STANDOFF_INLINE void fill_by_triangle(const SidecarMesh& mesh, const SidecarTile& tile, const ScaledPlaces& places,
                                       SamplesByTriangle& sorted) {
+  const auto corner_of_tile = [&](int n) __attribute__((always_inline)) {
+    return DoublePoint{WideDouble(places.at[0][n]), WideDouble(places.at[1][n]), WideDouble(places.at[2][n])};
+  };
+  const DoublePoint low = corner_of_tile(0), high = corner_of_tile(SidecarTile::kSide - 1);
   for (int begin = 0; begin < sorted.triangles; begin += kSamplesAtOnce) {
     const int count = sorted.triangles - begin < kSamplesAtOnce ? sorted.triangles - begin : kSamplesAtOnce;
     DoublePoint corner[3];
     load_corners<kPacked>(mesh, sorted.triangle + begin, count, corner);
-    const QuickFace<WideDouble> eight = quick_face(corner[0], corner[1], corner[2], reach_sq(places, corner[0]));
+    const QuickFace<WideDouble> eight = quick_face(corner[0], corner[1], corner[2], reach_sq(low, high, corner[0]));
     for (int lane = 0; lane < count; ++lane) {
       const int end = sorted.first[begin + lane + 1];
       const QuickFace<WideDouble> face = face_of_lane(eight, lane);
