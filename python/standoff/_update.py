@@ -12,6 +12,7 @@ import numpy as np
 from . import _core
 from ._arrays import numbers
 from ._checks import flag, name, runs_on
+from ._errors import UsageError
 from ._field import DistanceField
 from ._mesh import Mesh, as_mesh
 from ._options import Grid, Progress, Sign, SignReport, grid_of, memory_limit_of, progress_of, sign_report
@@ -114,7 +115,7 @@ class LiveField:
         )
         sign_report(self._live.sign, self._asked, stacklevel=2)
         self._made = None
-        self._calling = threading.Lock()  # else a copy could be kept that is older than the mesh
+        self._calling = _Turns()  # else a copy could be kept that is older than the mesh
 
     @property
     def grid(self) -> Grid:
@@ -138,7 +139,11 @@ class LiveField:
 
     @property
     def field(self) -> DistanceField:
-        """The field of the mesh as it is now. A copy, made when it is first asked for: it does not change."""
+        """The field of the mesh as it is now. A copy, made when it is first asked for: it does not change.
+
+        Raises:
+            UsageError: asked for by the `progress` of `move`.
+        """
         with self._calling:
             if self._made is None:
                 self._made = DistanceField._of_native(self._live.field(), self.sign)
@@ -159,7 +164,7 @@ class LiveField:
 
         Raises:
             UsageError, ValueError, TypeError: `vertices` are no indices of the mesh, or there are other numbers of
-                positions.
+                positions; or it is called by the `progress` of another call.
             MeshError, LimitError: as `field`, of the mesh as it would be. The mesh and the field are then as before.
             KeyboardInterrupt: Ctrl-C, within 0.1 s. After it, and what `progress` raises, `mesh` says whether the
                 vertices have moved: they have where the work was done already.
@@ -177,6 +182,26 @@ class LiveField:
             done = self._live.move(chosen, places, report)
         sign_report(done.pop("sign"), self._asked, stacklevel=2)
         return done
+
+
+class _Turns:
+    """A lock. A call that the call at work makes would wait for ever: that is an error."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._thread: int | None = None  # that has it
+
+    def __enter__(self) -> None:
+        if self._thread == threading.get_ident():
+            raise UsageError(
+                "live field: move() has not returned, and field and move() wait for it; use them after it, not in progress"
+            )
+        self._lock.acquire()
+        self._thread = threading.get_ident()
+
+    def __exit__(self, *_: object) -> None:
+        self._thread = None
+        self._lock.release()
 
 
 def indices(chosen: Any, what: str, count: int) -> np.ndarray:

@@ -130,6 +130,15 @@ def test_live_field_errors(meshes):
         so.LiveField((vertices, faces), memory_limit=1000, **OPTIONS)
 
 
+def test_live_field_in_its_own_progress(meshes):
+    (vertices, faces), (after, _), moved = meshes
+    live = so.LiveField((vertices, faces), **OPTIONS)
+    for again in (lambda: live.field, lambda: live.move([], [])):
+        with pytest.raises(so.UsageError, match="move\\(\\) has not returned"):
+            live.move(moved, after[moved], progress=lambda stage, fraction: again())
+    assert same(live.field, so.field(live.mesh, grid=live.grid, thickness=live.thickness))
+
+
 def test_live_field_sign_after_a_late_error(meshes):
     (vertices, faces), _, _ = meshes
     corners = np.arange(faces.size).reshape(faces.shape)  # each triangle has its own, so that it can be moved away

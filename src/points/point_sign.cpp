@@ -56,12 +56,11 @@ void RayWinding::for_each_between(int axis, const Vec3& local, double from, doub
 RayDirection RayWinding::shortest(Vec3 point) const {
   const Vec3 local = index_.local(point);
   const std::array<double, 3> down = numbers_of(local - low_), up = numbers_of(high_ - local);
-  RayDirection best{0, false};
-  double length = down[0];
+  RayDirection best{0, false, down[0]};
   for (int axis = 0; axis < 3; ++axis)
     for (const bool is_up : {false, true}) {
       const double own = (is_up ? up : down)[static_cast<std::size_t>(axis)];
-      if (own < length) length = own, best = {axis, is_up};
+      if (own < best.length) best = {axis, is_up, own};
     }
   return best;
 }
@@ -132,11 +131,18 @@ std::int32_t WindingCache::by_rows(const Vec3& at) const {
          rays_.beyond(2, there.z, along_z, kernels_);
 }
 
+double WindingCache::nearest_center(const Vec3& at) const {
+  double least = kInfinite;
+  for (const Ball& other : all()) least = std::min(least, max_norm(other.at - at));
+  return least;
+}
+
 namespace {
 
 // The winding number of a closed mesh changes at triangles only. So points whose empty balls overlap have the same
 // number. For most other points, a row meets the ball of an earlier point, and the triangles that the segment between
-// them crosses give the difference. Only the rest need a ray.
+// them crosses give the difference. The rest need a ray, or, where many surfaces lie between a point and the mesh's
+// box, three rows from the nearest of the earlier points.
 class ClosedPointSigns final : public PointSigns {
  public:
   /// `all_near`: free radii take all triangles into account. If hidden triangles do not count for distances, the sign
@@ -146,11 +152,14 @@ class ClosedPointSigns final : public PointSigns {
 
   void decide(std::span<const PointToSign> points, const cpu::PointKernels& kernels, WorkCheck& check,
               std::span<bool> inside) const override {
-    constexpr std::int64_t kRay = 32;  // a ray costs about this much work, or far more
+    constexpr std::int64_t kRay = 32;      // a ray costs about this much work, or far more
+    constexpr double kShareOfRay = 0.125;  // how long three rows may be each, so that they take less than a ray
     WindingCache cache(rays_, kernels);
     const auto by_ray = [&](const Vec3& at) {
       check.add(kRay);
-      return rays_.at(at, kernels);
+      const RayDirection ray = rays_.shortest(at);
+      if (all_near_ && cache.nearest_center(at) < kShareOfRay * ray.length) return cache.by_rows(at);
+      return rays_.at(at, ray, kernels);
     };
     for (std::size_t n = 0; n < points.size(); ++n)
       inside[n] =

@@ -25,6 +25,7 @@ namespace standoff {
 struct RayDirection {
   int axis;
   bool up;
+  double length = 0;  ///< to where it leaves the mesh's box
 };
 
 /// The coordinates in cyclic order, `axis` first.
@@ -91,6 +92,8 @@ class WindingCache {
   /// The number at a point from the nearest known center: three rows, one along each axis, lead there. Requires that a
   /// ball is known.
   std::int32_t by_rows(const Vec3& at) const;
+  /// How far the nearest known center is, along the axis on which it is farthest; infinite if there is none.
+  double nearest_center(const Vec3& at) const;
 
  private:
   // A ball without triangles; if its radius is not positive, only the number at its center is known.
