@@ -5,6 +5,7 @@ what it does and how it is called."""
 import argparse
 import datetime
 import hashlib
+import os
 import sys
 import time
 from pathlib import Path
@@ -109,7 +110,8 @@ def main(arguments):
         out = folder / "results"
     else:
         name, architecture = gpu_build.gpu_name_and_architecture(nvcc)
-        settings = [f"-DCMAKE_CUDA_COMPILER={nvcc}", f"-DCMAKE_CUDA_ARCHITECTURES={architecture}"]
+        settings = [f"-DCMAKE_CUDA_COMPILER={nvcc}", f"-DCMAKE_CUDA_ARCHITECTURES={architecture}",
+                    f"-DSTANDOFF_NANOVDB={os.environ.get('NANOVDB', '')}"]
         out = ROOT / "bench/results" / name.lower().replace(" ", "-")
     out = Path(options.out).resolve() if options.out else out
     begin(out, f"{sources_hash()} {name}", options.again)

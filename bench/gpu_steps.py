@@ -41,6 +41,9 @@ def last_lines(path, count):
     return "\n".join(path.read_text(errors="replace").splitlines()[-count:])
 
 
+PEER_COLUMNS = "job,triangles,query,grid,thickness,median_ms,least_ms,runs,tree_ms,largest_difference,peer"
+
+
 class Steps:
     """One call of script/gpu-check: where the programs are, where results go, what went wrong."""
 
@@ -168,22 +171,34 @@ class Steps:
             with report.with_suffix(".txt").open("w") as text:
                 limited([ncu, "--import", report, "--page", "details"], 30, text)
 
-    def peer(self):
-        say("NVIDIA Warp's mesh_query_point, a thread a sample")
+    def peers(self):
+        """Others at the same jobs: each that is here adds its rows to peer.csv."""
+        programs = {}
         if subprocess.run(["python3", "-c", "import warp"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
             print("python3 has no module warp (pip install warp-lang brings it): skipped")
+        else:
+            programs["warp"] = ["python3", ROOT / "tests/gpu_check/peer_warp.py"]
+        if (self.build / "peer_nanovdb").exists():
+            programs["nanovdb"] = [self.build / "peer_nanovdb"]
+        else:
+            print("no NanoVDB with MeshToGrid (NANOVDB names a folder with nanovdb/tools/cuda/MeshToGrid.cuh): skipped")
+        if not programs:
             return
-        folder, jobs, log = self.build / "peer", gpu_jobs.peer_jobs(), self.build / "peer.log"
+        say("peers: " + ", ".join(programs))
+        folder, log = self.build / "peer", self.build / "peer.log"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
+        jobs = [*gpu_jobs.peer_jobs(), *gpu_jobs.newton_jobs()]
         (self.build / "peer_jobs.txt").write_text(
             "".join((gpu_jobs.small(job) if self.emulated else job).line() + "\n" for job in jobs))
         with (self.build / "peer_jobs.txt").open() as lines:
             exported = self.step("peer files", [self.build / "measure", "--export", folder], 60, log, stdin=lines)
         if exported:
             once = ["--once"] if self.emulated else []
-            self.step("peer", ["python3", ROOT / "tests/gpu_check/peer_warp.py", *once, *sorted(folder.glob("*.bin"))], 60,
-                      self.out / "peer.csv", errors=log)
+            (self.out / "peer.csv").write_text(PEER_COLUMNS + "\n")
+            for name, program in programs.items():
+                self.step(f"peer {name}", [*program, *once, *sorted(folder.glob("*.bin"))], 60, self.out / "peer.csv", "a",
+                          errors=log)
             print((self.out / "peer.csv").read_text(), end="")
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -200,4 +215,4 @@ class Steps:
         if "measure" in parts:
             self.measure("the rest", [*gpu_jobs.goal_jobs(), *gpu_jobs.own_jobs(), *gpu_jobs.thesis_jobs()], 180)
             self.profile()
-            self.peer()
+            self.peers()

@@ -30,7 +30,7 @@ def goals(rows, peers, predicted):
             peer[row["job"]] = float(row["median_ms"])
     shown = []
     for row in rows:
-        job = f"{row['scene']}-{row['thickness']}"
+        job = f"{row['scene']}-{row['thickness']}-{row['grid'].split('x')[0]}"
         compared = row["method"] == "tiles" and row["output"] == "dense" and job in peer
         key = (row["scene"], row["method"], row["output"], row["grid"], row["thickness"])
         shown.append({"scene": row["scene"], "triangles": f"{int(row['triangles']):,}", "method": row["method"],

@@ -15,7 +15,7 @@
 // measure --continue: without the line of names on top, to add to a file.
 // measure --profile: measures nothing; each is run as often as its room takes, and once more while a profiler that was
 // told to wait (ncu --profile-from-start off) may look.
-// measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS.bin for peers (peer_file.h).
+// measure --export FOLDER: measures nothing, but writes SCENE-THICKNESS-NX.bin for peers (peer_file.h).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -233,8 +233,8 @@ void run(const Line& l) {
   const Outcome outcome = field.run();
   if (profiles) return profile(field);
   if (!export_folder.empty())
-    return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + ".bin", mesh, grid, thickness,
-                           field.values());
+    return write_peer_file(export_folder + "/" + l.scene + "-" + l.thickness + "-" + std::to_string(l.size.x) + ".bin",
+                           mesh, grid, thickness, field.values());
   const std::int64_t workspace = field.workspace_bytes();
   const Times t = l.output == "compute" ? measure_compute(mesh, grid, thickness, method) : measure(l, mesh, field);
   double written = 4.0 * static_cast<double>(is_sparse(l) ? outcome.needed_slots * kTileSamples : grid.sample_count());

@@ -46,6 +46,8 @@ def query_signed(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny
     values[wp.tid()] = distance(mesh, p, wp.mesh_query_point(mesh, p, thickness), thickness)
 
 
+# Warp's own tree, and on a GPU that of NVIDIA's cuBQL, where this Warp has it.
+TREES = {"": {}, " cubql": {"bvh_constructor": "cubql"}}
 QUERIES = {"mesh_query_point_no_sign": query_unsigned, "mesh_query_point": query_signed}
 
 
@@ -81,14 +83,25 @@ def milliseconds(launch, on_gpu):
 
 def measure(path, once, csv):
     job = read(path)
+    points = wp.array(job["vertices"].astype(np.float32), dtype=wp.vec3)
+    indices = wp.array(job["triangles"].astype(np.int32), dtype=wp.int32)
+    for tree, options in TREES.items():
+        began = time.perf_counter()
+        try:
+            mesh = wp.Mesh(points=points, indices=indices, **options)
+            wp.synchronize()
+        except Exception as error:  # an older Warp, or a device that the tree is not for
+            if not options:
+                raise
+            print(f"{path.stem}: Warp makes no tree by{tree}: {error}", file=sys.stderr)
+            continue
+        measure_queries(path, job, mesh, tree, 1e3 * (time.perf_counter() - began), once, csv)
+
+
+def measure_queries(path, job, mesh, tree, build_ms, once, csv):
     nx, ny, nz = job["size"]
     thickness = min(job["thickness"], 1e30)
     on_gpu = wp.get_preferred_device().is_cuda
-    began = time.perf_counter()
-    mesh = wp.Mesh(points=wp.array(job["vertices"].astype(np.float32), dtype=wp.vec3),
-                   indices=wp.array(job["triangles"].astype(np.int32), dtype=wp.int32))
-    wp.synchronize()
-    build_ms = 1e3 * (time.perf_counter() - began)
     values = wp.zeros(nx * ny * nz, dtype=float)
     inputs = [mesh.id, wp.vec3(*job["origin"]), wp.vec3(*job["spacing"]), nx, ny, thickness]
     for name, kernel in QUERIES.items():
@@ -100,7 +113,7 @@ def measure(path, once, csv):
         while len(runs) < (1 if once else LEAST_RUNS) or (not once and len(runs) < MOST_RUNS and sum(runs) < ENOUGH_MS):
             runs.append(milliseconds(launch, on_gpu))
         off = float(np.max(np.abs(values.numpy() - np.minimum(job["values"], np.float32(thickness)))))
-        print(f"{path.stem},{len(job['triangles']) // 3},{name},{nx}x{ny}x{nz},{job['thickness']:g},"
+        print(f"{path.stem},{len(job['triangles']) // 3},{name}{tree},{nx}x{ny}x{nz},{job['thickness']:g},"
               f"{statistics.median(runs):.4f},{min(runs):.4f},{len(runs)},{build_ms:.1f},{off:.6g},"
               f"warp {wp.config.version} on {wp.get_preferred_device()}", file=csv, flush=True)
 
@@ -109,7 +122,6 @@ def main():
     csv = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # Warp talks on stdout, which is ours
     wp.init()
-    print("job,triangles,query,grid,thickness,median_ms,least_ms,runs,tree_ms,largest_difference,peer", file=csv)
     once = "--once" in sys.argv
     for path in sys.argv[1:]:
         if path != "--once":
