@@ -12,6 +12,7 @@
 #include "tests/support/changed_mesh.h"
 #include "tests/support/random_mesh.h"
 #include "tests/support/reference.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/welded_ball.h"
 
 namespace standoff::testing {
@@ -77,7 +78,9 @@ void expect_exact(const Mesh& mesh, std::span<const Vec3> points, double share =
   const std::vector<ClosestPoint> found = ask(query, points);
   std::vector<double> distances(points.size(), -1);
   query.distances(points, distances);
-  for (std::size_t n = 0; n < points.size() && !::testing::Test::HasFailure(); ++n) {
+  // A sanitizer looks at the query, which has answered all points by now: few are compared there.
+  constexpr std::size_t kStep = kSanitized ? 10 : 1;
+  for (std::size_t n = 0; n < points.size() && !::testing::Test::HasFailure(); n += kStep) {
     SCOPED_TRACE(::testing::Message() << "point " << n << " of " << points.size() << ": " << points[n].x << ' '
                                       << points[n].y << ' ' << points[n].z);
     const double extent = extent_of(box, points[n]);
