@@ -49,14 +49,17 @@ struct DeviceOutput {
   std::int64_t slot_capacity = 0;  ///< sparse: how many tiles `values` can hold
 };
 
-/// What is written beside the values, in device memory; null: not that. As SidecarKind says (standoff/sidecars.h), with
-/// the bits of sidecars(). The numbers of the sample at values[n] are at 3 * n, the feature at n. Samples without a
-/// nearest triangle have 0.
+/// Arrays beside the values, in device memory, with what SidecarKind says (standoff/sidecars.h) and the bits of
+/// sidecars(); null: not wanted. The sample of values[n] has three numbers from 3 * n on, and its feature at n. Samples
+/// without a nearest triangle have 0. Nothing is written where no values are: in tiles that are not stored, and by
+/// tasks that fail.
 struct DeviceSidecars {
   float* closest_point = nullptr;
   float* barycentric = nullptr;
   std::uint8_t* feature = nullptr;
   float* gradient = nullptr;
+
+  constexpr bool any() const { return closest_point || barycentric || feature || gradient; }
 };
 
 /// The result of a task. The GPU writes it to device memory; copy it to the host and call check().
@@ -95,7 +98,7 @@ struct Task {
   /// All triangles count for it, whatever is `kept`; one that is not valid is found after the values were written.
   SignOptions sign = SignOptions{SignMethod::none};
   /// Requires output.nearest. Gradients are those of the values with their signs; where the outcome has doubts about
-  /// these, gradients are undefined too. Coordinates must be within 2^100 spacings of the grid: this is not checked.
+  /// these, gradients are undefined too.
   DeviceSidecars sidecars = {};
 };
 
@@ -115,11 +118,11 @@ STANDOFF_API std::int64_t workspace_bytes(const Task& task, std::int64_t entries
 
 /// Puts the computation on the stream and returns. `workspace` (device memory, 256-byte aligned) is in use until the
 /// work is done. Its previous content does not matter, and its content afterwards is undefined. Mesh and output must
-/// not be changed until the work is done. The field has the same bits as that of compute(). Errors: usage (grid,
-/// thickness, null pointers, a workspace that is too small; the message gives the size needed; sidecars without
-/// nearest triangles; a sign that is decided
-/// on the CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the
-/// largest spacing), device.
+/// not be changed until the work is done. The field has the same bits as that of compute(). Errors: usage (a grid that
+/// is not valid, or a window that does not begin at multiples of 16 samples; thickness; null pointers; a workspace that
+/// is too small, the message gives the size needed; sidecars without nearest triangles; a sign that is decided on the
+/// CPU alone; a sign of sparse output by another method than tiles and thesis, or with a thickness below the largest
+/// spacing), device.
 STANDOFF_API void enqueue(const Task& task, void* workspace, std::int64_t bytes, Stream stream);
 
 /// Several fields, one after the other on the stream, in one workspace that is large enough for each of them. If a task

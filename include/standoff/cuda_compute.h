@@ -68,7 +68,7 @@ struct FieldRequest {
   Method method = Method::tiles;
   SignOptions sign = SignOptions{SignMethod::none};
   std::uint32_t* nearest = nullptr;  ///< in device memory, as long as values; null: not wanted
-  DeviceSidecars sidecars = {};      ///< with nearest triangles
+  DeviceSidecars sidecars = {};      ///< require `nearest`
 };
 
 /// compute_into() for meshes in device memory and values there; the reports are in their order. The values have the
@@ -77,12 +77,13 @@ struct FieldRequest {
 /// leaves out no triangle, as its skip rule works on the CPU. It returns when they are written. Packed doubles and
 /// packed indices of 32 bits are used where they lie, other layouts are copied on the device. The fields are computed
 /// by one enqueue() of all. It waits twice, and again for those whose triangle lists did not fit, which are computed
-/// anew. Copies of meshes lie in one piece of memory; the fields share one workspace, as large as the largest of them
-/// needs. If that does not fit into device memory, halves of them are computed one after the other. Errors among the
-/// answers: as bounds_of_each; usage also for the grid, the thickness, values that are null, sidecars without
-/// nearest triangles, and signs that need more than a bit for each sample: normal, facet, shell and `outer`; limit also
-/// for a mesh too far from the grid (docs/tiles.md, Domain), input and doubt for its sign, after the values have got
-/// their distances; the other fields are computed. Errors thrown: as bounds_of_each; after one, any values may have
+/// anew, and for each whose sign the host decides. Copies of meshes lie in one piece of memory; the fields share one
+/// workspace, as large as the largest of them needs. If that does not fit into device memory, halves of them are
+/// computed one after the other. Errors among the answers: as bounds_of_each; usage also for the grid (a window must
+/// begin at multiples of 16 samples), the thickness, values that are null, sidecars without nearest triangles, and
+/// signs that need more than a bit for each sample: normal, facet, shell and `outer`; limit also for a mesh too far
+/// from the grid (docs/tiles.md, Domain), input and doubt for its sign, after distances, nearest triangles and sidecars
+/// may have been written; the other fields are computed. Errors thrown: as bounds_of_each; after one, anything may have
 /// been written.
 STANDOFF_API std::vector<OrError<ComputeReport>> compute_each(std::span<const FieldRequest> requests,
                                                               const OnStream& on = {});

@@ -84,8 +84,7 @@ void check(const FieldRequest& request, const OnStream& on) {
     throw Error(ErrorCode::usage,
                 "cuda: the CPU alone leaves out internal triangles; leave out `outer`, or copy the mesh to the CPU");
   if (!request.values) throw Error(ErrorCode::usage, "cuda: the field is to be written to null; give device memory");
-  const DeviceSidecars& beside = request.sidecars;
-  if (!request.nearest && (beside.closest_point || beside.barycentric || beside.feature || beside.gradient))
+  if (!request.nearest && request.sidecars.any())
     throw Error(ErrorCode::usage,
                 "cuda: sidecars follow from the nearest triangles, and nearest is null; give these memory too");
   backend_of(on, request.method);

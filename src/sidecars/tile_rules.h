@@ -8,7 +8,7 @@
 namespace standoff {
 
 /// Whether one more triangle of a tile is to be prepared, after `triangles` of them have `samples` samples together.
-/// Triangles come in the order of their first samples. Stops where eight and more have fewer than five each.
+/// Triangles come in the order of their first samples. Stops where eight or more have fewer than five each on average.
 STANDOFF_INLINE bool prepares_more(int triangles, int samples) {
   constexpr int kTriangles = 8, kLeastSamples = 5;
   return triangles < kTriangles || samples >= kLeastSamples * triangles;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/threads.h"
 #include "field/cuda/any_mesh.cuh"
 #include "field/prepare.h"
 #include "gpu/devices.h"
@@ -194,11 +195,12 @@ SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Cal
   return found.sign;
 }
 
-// Makes the sidecars of a finished field, whose values have this sign. Waits for the stream.
+// Makes the sidecars of a field whose values have got this sign from the host. Waits for the stream.
 void make_sidecars(const Task& task, const SignText& sign, CallerMemory& room, Stream stream) {
   SurfaceNormals normals{sign.method != SignMethod::none, sign.invert, nullptr};
   std::vector<std::int8_t> use;
-  if (task.sidecars.gradient && sign.oriented) use = orientation_of(copied(task.mesh), sign);
+  if (task.sidecars.gradient && sign.oriented)
+    use = Threads(0).run([&] { return orientation_of(copied(task.mesh), sign); });
   if (!use.empty()) {
     const auto bytes = static_cast<std::int64_t>(use.size());
     auto* const on_device = room.room_for<std::int8_t>(bytes);
@@ -235,10 +237,11 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
                 {.values = r.values, .nearest = r.nearest},
                 meshes.outcome_on_device(one.place)};
       if (is_sign_on_device(r.sign)) task.sign = r.sign;
+      if (is_sign_on_device(r.sign) || r.sign.method == SignMethod::none) task.sidecars = r.sidecars;
       wanted.push_back(
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });
-  std::vector<Wanted> left_to_host, finished;
+  std::vector<Wanted> left_to_host;
   CallerMemory workspace(on.memory);
   while (!wanted.empty()) {
     compute_once(wanted, workspace, meshes, on.stream);
@@ -259,22 +262,18 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
       answer_with(answers[one.place], [&] {
         cuda::check(made.outcome, one.task);
         answers[one.place] = made;
-        finished.push_back(one);
       });
     }
     wanted = std::move(again);
   }
-  for (const Wanted& one : left_to_host)
-    answer_with(answers[one.place], [&] {
-      if (FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]))
-        found->sign = sign_by_host(one.task.mesh, requests[one.place], workspace, on.stream);
-    });
-  for (Wanted& one : finished)
+  for (Wanted& one : left_to_host)
     answer_with(answers[one.place], [&] {
       const FieldRequest& request = requests[one.place];
+      FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]);
+      if (!found) return;
+      found->sign = sign_by_host(one.task.mesh, request, workspace, on.stream);
       one.task.sidecars = request.sidecars;
-      const FieldOutcome* const found = std::get_if<FieldOutcome>(&answers[one.place]);
-      if (found && wants_any(request.sidecars))
+      if (request.sidecars.any())
         make_sidecars(one.task, sign_text_of(request.sign, found->sign), workspace, on.stream);
     });
   return answers;

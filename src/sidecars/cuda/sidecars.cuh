@@ -54,14 +54,16 @@ struct SidecarTileView {
 /// The triangles that are nearest to a tile's samples, in shared memory: a table of hashes.
 struct TileTriangles {
   static constexpr unsigned kPlaces = 2 * static_cast<unsigned>(kTileSamples);
-  std::uint32_t nearest[kTileSamples];  // of each sample
-  std::uint32_t triangle[kPlaces];      // kNoTriangle: a free place
-  int first[kPlaces];                   // its first sample
-  int count[kPlaces];                   // its samples
-  int end;                              // triangles whose first sample is before this one are prepared once
+  static constexpr std::uint16_t kNowhere = kPlaces;
+  std::uint16_t place[kTileSamples];  // of each sample's triangle in the table, or kNowhere
+  std::uint32_t triangle[kPlaces];    // kNoTriangle: a free place
+  int first[kPlaces];                 // its first sample
+  int count[kPlaces];                 // its samples
+  int end;                            // triangles whose first sample is before this one are prepared once
 
   STANDOFF_DEVICE unsigned place_of(std::uint32_t wanted) {
-    for (unsigned at = wanted * 2654435761u % kPlaces;; at = (at + 1) % kPlaces) {
+    static_assert(kPlaces == 1u << 10);  // the high bits: the low ones are equal for rows of 1024 triangles
+    for (unsigned at = wanted * 2654435761u >> 22;; at = (at + 1) % kPlaces) {
       const std::uint32_t there = atomicCAS(&triangle[at], kNoTriangle, wanted);
       if (there == kNoTriangle || there == wanted) return at;
     }
@@ -90,9 +92,9 @@ STANDOFF_DEVICE void find_triangles(const SidecarTask& task, const SidecarTileVi
   for (int sample = static_cast<int>(threadIdx.x); sample < kTileSamples; sample += int{kSidecarThreads}) {
     const std::uint32_t triangle =
         is_in_grid(task, view, sample) ? task.output.nearest[index_of(task, view, sample)] : kNoTriangle;
-    found.nearest[sample] = triangle;
+    const unsigned place = triangle == kNoTriangle ? TileTriangles::kNowhere : found.place_of(triangle);
+    found.place[sample] = static_cast<std::uint16_t>(place);
     if (triangle == kNoTriangle) continue;
-    const unsigned place = found.place_of(triangle);
     atomicMin(&found.first[place], sample);
     atomicAdd(&found.count[place], 1);
   }
@@ -104,21 +106,20 @@ STANDOFF_DEVICE void find_end(TileTriangles& found) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int triangles = 0, samples = 0;
   for (int begin = 0; begin < kTileSamples; begin += 32) {
-    const std::uint32_t triangle = found.nearest[begin + lane];
-    const unsigned place = triangle == kNoTriangle ? 0 : found.place_of(triangle);
-    const bool is_first = triangle != kNoTriangle && found.first[place] == begin + lane;
+    const unsigned place = found.place[begin + lane];
+    const bool is_first = place != TileTriangles::kNowhere && found.first[place] == begin + lane;
     const int mine = is_first ? found.count[place] : 0, sum = warp_sum_up_to(mine);
     const std::uint32_t firsts = __ballot_sync(0xffffffffu, is_first);
     const int before = triangles + __popc(firsts & ((1u << lane) - 1));
     const std::uint32_t ends = __ballot_sync(0xffffffffu, is_first && !prepares_more(before, samples + sum - mine));
     if (ends != 0) {
-      found.end = begin + __ffs(static_cast<int>(ends)) - 1;
+      if (lane == 0) found.end = begin + __ffs(static_cast<int>(ends)) - 1;
       return;
     }
     triangles += __popc(firsts);
     samples += __shfl_sync(0xffffffffu, sum, 31);
   }
-  found.end = static_cast<int>(kTileSamples);
+  if (lane == 0) found.end = static_cast<int>(kTileSamples);
 }
 
 /// Three numbers of a sample, rounded to float.
@@ -191,10 +192,9 @@ STANDOFF_KERNEL void __launch_bounds__(kSidecarThreads) fill_sidecars(SidecarTas
     if (threadIdx.x < 32) find_end(found);
     __syncthreads();
     for (int sample = static_cast<int>(threadIdx.x); sample < kTileSamples; sample += int{kSidecarThreads}) {
-      const std::uint32_t triangle = found.nearest[sample];
-      if (triangle != kNoTriangle) {
-        const bool is_prepared = found.first[found.place_of(triangle)] < found.end;
-        measure_sample(task, view, sample, triangle, is_prepared);
+      const unsigned place = found.place[sample];
+      if (place != TileTriangles::kNowhere) {
+        measure_sample(task, view, sample, found.triangle[place], found.first[place] < found.end);
       } else if (task.output.slots || is_in_grid(task, view, sample)) {
         const Triple<double> nothing{0, 0, 0};
         store_sidecars(task, index_of(task, view, sample), nothing, nothing, 0, nothing);
@@ -204,20 +204,16 @@ STANDOFF_KERNEL void __launch_bounds__(kSidecarThreads) fill_sidecars(SidecarTas
   }
 }
 
-inline bool wants_any(const DeviceSidecars& to) {
-  return to.closest_point || to.barycentric || to.feature || to.gradient;
-}
-
 /// Throws Error{usage} if there are no nearest triangles, from which sidecars follow.
 inline void check_sidecars(const Task& task) {
-  if (wants_any(task.sidecars) && !task.output.nearest)
+  if (task.sidecars.any() && !task.output.nearest)
     throw Error(ErrorCode::usage,
                 "cuda: sidecars follow from the nearest triangles, and output.nearest is null; give these memory too");
 }
 
 /// Launches them, after the task's field and sign. `normals`: of the sign that the values have.
 inline void enqueue_sidecars(const Task& task, const SurfaceNormals& normals, Stream stream) {
-  if (!wants_any(task.sidecars)) return;
+  if (!task.sidecars.any()) return;
   const double scale = sidecar_scale(task.grid);
   const Size3 tiles = DistanceField::tiles_of(task.grid.size);
   const SidecarTask sidecars{

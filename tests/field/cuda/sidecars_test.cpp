@@ -221,16 +221,17 @@ void find_end_of_tile(emulated::SidecarTask task, int* end) {
 
 // Where a tile stops preparing triangles hardly shows in the bits, as the two ways to measure seldom round differently.
 TEST(CudaSidecars, TilesStopPreparingWhereTheCpuDoes) {
-  std::mt19937 random(178);
+  std::mt19937 engine(178);
+  const auto below = [&](unsigned count) { return static_cast<unsigned>(engine() % count); };
   int stopped = 0;
   for (int round = 0; round < 300; ++round) {
     // Runs of samples with the same triangle; some samples have none.
     std::vector<std::uint32_t> nearest(512);
-    const unsigned triangles = 1 + random() % 150;
+    const unsigned triangles = 1 + below(150);
     for (std::size_t n = 0; n < nearest.size(); ++n)
-      nearest[n] = n == 0 || random() % 3 == 0 ? random() % triangles * 1000003u : nearest[n - 1];
+      nearest[n] = n == 0 || below(3) == 0 ? below(triangles) * 1000003u : nearest[n - 1];
     for (std::uint32_t& one : nearest)
-      if (random() % 5 == 0) one = kNoTriangle;
+      if (below(5) == 0) one = kNoTriangle;
     int expected = 512, samples = 0;
     std::vector<std::uint32_t> seen;
     for (std::size_t n = 0; n < nearest.size() && expected == 512; ++n) {
