@@ -188,7 +188,8 @@ class Steps:
         folder, log = self.build / "peer", self.build / "peer.log"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir()
-        jobs = [*gpu_jobs.peer_jobs(), *gpu_jobs.newton_jobs()]
+        # Peers are compared by magnitude.
+        jobs = [*gpu_jobs.peer_jobs(), *(job._replace(output="dense") for job in gpu_jobs.newton_jobs())]
         (self.build / "peer_jobs.txt").write_text(
             "".join((gpu_jobs.small(job) if self.emulated else job).line() + "\n" for job in jobs))
         with (self.build / "peer_jobs.txt").open() as lines:

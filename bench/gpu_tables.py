@@ -23,7 +23,7 @@ def predictions(machine):
 
 
 def goals(rows, peers, predicted):
-    """Our jobs; beside the dense ones how many times longer the peer took."""
+    """Our jobs; beside the dense and the signed ones how many times longer Warp took."""
     peer = {}
     for row in peers:
         if row["query"] == "mesh_query_point":
@@ -31,7 +31,7 @@ def goals(rows, peers, predicted):
     shown = []
     for row in rows:
         job = f"{row['scene']}-{row['thickness']}-{row['grid'].split('x')[0]}"
-        compared = row["method"] == "tiles" and row["output"] == "dense" and job in peer
+        compared = row["method"] == "tiles" and row["output"] in ("dense", "signed") and job in peer
         key = (row["scene"], row["method"], row["output"], row["grid"], row["thickness"])
         shown.append({"scene": row["scene"], "triangles": f"{int(row['triangles']):,}", "method": row["method"],
                       "output": row["output"], "grid": row["grid"], "thickness": row["thickness"],

@@ -115,7 +115,8 @@ class LiveField:
         )
         sign_report(self._live.sign, self._asked, stacklevel=2)
         self._made = None
-        self._calling = _Turns()  # else a copy could be kept that is older than the mesh
+        self._calling = threading.RLock()  # else a copy could be kept that is older than the mesh
+        self._moving = False
 
     @property
     def grid(self) -> Grid:
@@ -145,6 +146,7 @@ class LiveField:
             UsageError: asked for by the `progress` of `move`.
         """
         with self._calling:
+            self._not_in_progress()
             if self._made is None:
                 self._made = DistanceField._of_native(self._live.field(), self.sign)
             return self._made
@@ -164,7 +166,7 @@ class LiveField:
 
         Raises:
             UsageError, ValueError, TypeError: `vertices` are no indices of the mesh, or there are other numbers of
-                positions; or it is called by the `progress` of another call.
+                positions; or `progress` of a call that has not returned calls it.
             MeshError, LimitError: as `field`, of the mesh as it would be. The mesh and the field are then as before.
             KeyboardInterrupt: Ctrl-C, within 0.1 s. After it, and what `progress` raises, `mesh` says whether the
                 vertices have moved: they have where the work was done already.
@@ -177,31 +179,22 @@ class LiveField:
             raise ValueError(
                 f"positions: must have the shape ({len(chosen)}, 3), one for each vertex, not {places.shape}"
             )
-        with self._calling, progress_of(progress, "update") as report:
-            self._made = None
-            done = self._live.move(chosen, places, report)
+        with self._calling:
+            self._not_in_progress()
+            self._moving = True
+            try:
+                with progress_of(progress, "update") as report:
+                    self._made = None
+                    done = self._live.move(chosen, places, report)
+            finally:
+                self._moving = False
         sign_report(done.pop("sign"), self._asked, stacklevel=2)
         return done
 
-
-class _Turns:
-    """A lock. A call that the call at work makes would wait for ever: that is an error."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._thread: int | None = None  # that has it
-
-    def __enter__(self) -> None:
-        if self._thread == threading.get_ident():
-            raise UsageError(
-                "live field: move() has not returned, and field and move() wait for it; use them after it, not in progress"
-            )
-        self._lock.acquire()
-        self._thread = threading.get_ident()
-
-    def __exit__(self, *_: object) -> None:
-        self._thread = None
-        self._lock.release()
+    def _not_in_progress(self) -> None:
+        """The thread that moves comes through its own lock, when `progress` asks."""
+        if self._moving:
+            raise UsageError("live field: `progress` of move() asked for field or move(); ask after move() has returned")
 
 
 def indices(chosen: Any, what: str, count: int) -> np.ndarray:

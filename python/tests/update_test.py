@@ -134,7 +134,7 @@ def test_live_field_in_its_own_progress(meshes):
     (vertices, faces), (after, _), moved = meshes
     live = so.LiveField((vertices, faces), **OPTIONS)
     for again in (lambda: live.field, lambda: live.move([], [])):
-        with pytest.raises(so.UsageError, match="move\\(\\) has not returned"):
+        with pytest.raises(so.UsageError, match="after move\\(\\) has returned"):
             live.move(moved, after[moved], progress=lambda stage, fraction: again())
     assert same(live.field, so.field(live.mesh, grid=live.grid, thickness=live.thickness))
 

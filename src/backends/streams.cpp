@@ -86,7 +86,9 @@ void check(const FieldRequest& request, const OnStream& on) {
   if (!request.values) throw Error(ErrorCode::usage, "cuda: the field is to be written to null; give device memory");
   if (!request.nearest && request.sidecars.any())
     throw Error(ErrorCode::usage,
-                "cuda: sidecars follow from the nearest triangles, and nearest is null; give these memory too");
+                "cuda: sidecars are made from nearest triangles, but nearest is null; give it device memory for an "
+                "index of each "
+                "sample");
   backend_of(on, request.method);
 }
 

@@ -25,7 +25,7 @@ namespace standoff {
 struct RayDirection {
   int axis;
   bool up;
-  double length = 0;  ///< to where it leaves the mesh's box
+  double length;  ///< to where it leaves the mesh's box
 };
 
 /// The coordinates in cyclic order, `axis` first.
@@ -89,11 +89,15 @@ class WindingCache {
     const double there = cycled(nearest.ball->at, nearest.axis).x;
     return nearest.ball->winding + rays_.beyond(nearest.axis, there, at, kernels_);
   }
-  /// The number at a point from the nearest known center: three rows, one along each axis, lead there. Requires that a
-  /// ball is known.
-  std::int32_t by_rows(const Vec3& at) const;
-  /// How far the nearest known center is, along the axis on which it is farthest; infinite if there is none.
-  double nearest_center(const Vec3& at) const;
+  /// The same from the nearest known center, to which three rows lead, one along each axis. Requires that a ball is
+  /// known.
+  std::int32_t by_rows(const Vec3& at) const { return by_rows_from(*nearest_center(at), at); }
+  /// The same if that center is nearer than `within`, along the axis on which it is farthest; else otherwise(at).
+  template <class Otherwise>
+  std::int32_t by_rows(const Vec3& at, double within, const Otherwise& otherwise) const {
+    const Ball* const nearest = nearest_center(at);
+    return nearest && max_norm(nearest->at - at) < within ? by_rows_from(*nearest, at) : otherwise(at);
+  }
 
  private:
   // A ball without triangles; if its radius is not positive, only the number at its center is known.
@@ -112,6 +116,8 @@ class WindingCache {
   void add(const Ball& one);
   const Ball* overlapping(const Ball& own) const;
   OnRow nearest_on_rows(const Vec3& at) const;
+  const Ball* nearest_center(const Vec3& at) const;
+  std::int32_t by_rows_from(const Ball& known, const Vec3& at) const;
 
   const RayWinding& rays_;
   const cpu::PointKernels& kernels_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the sidecars of a field depend on beside its samples, on CPU and GPU.
+// What the CPU's and the GPU's sidecars share outside of tiles: the scale of coordinates, and the orientation that
+// normals on the surface follow.
 #pragma once
 
 #include <cmath>

@@ -37,7 +37,7 @@ awk -F, 'NR > 1 && !($8 > 0)' results/gpu.csv | grep . && fail "a job took no ti
 grep -q '^table_5.1,factory,.*,0.64,-$' results/gpu.csv || fail "gpu.csv lacks the thesis's times"
 [[ $(awk -F, '$3 ~ /^-?[0-9]/ && NF == 4' results/table-5.4.csv | wc -l) == 13 ]] || fail "table-5.4.csv lacks parts"
 if python3 -c 'import warp' 2>/dev/null; then
-  [[ $(grep -c ',mesh_query_point' results/peer.csv) == 16 ]] || fail "peer.csv lacks jobs"
+  [[ $(grep -c ',mesh_query_point[a-z_]*,' results/peer.csv) == 8 ]] || fail "peer.csv lacks jobs"
 else
   grep -q 'no module warp .*: skipped' log || fail "nothing is said of the peer that is not there"
 fi

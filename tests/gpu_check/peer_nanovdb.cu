@@ -144,7 +144,7 @@ void measure(const char* path, bool once) {
   for (float sum = 0; runs.empty() || (!once && runs.size() < kMost && sum < 3000); sum += runs.back())
     runs.push_back(run([](const auto&, const auto&) {}));
   std::sort(runs.begin(), runs.end());
-  std::printf("%s,%zu,MeshToGrid,%lldx%lldx%lld,%g,%.4f,%.4f,%zu,0,%.6g,NanoVDB %d.%d.%d, %lld samples missing\n",
+  std::printf("%s,%zu,MeshToGrid,%lldx%lldx%lld,%g,%.4f,%.4f,%zu,0,%.6g,NanoVDB %d.%d.%d; %lld samples missing\n",
               std::filesystem::path(path).stem().c_str(), corners.size(), static_cast<long long>(job.size[0]),
               static_cast<long long>(job.size[1]), static_cast<long long>(job.size[2]), job.thickness,
               double{runs[runs.size() / 2]}, double{runs.front()}, runs.size(), difference.largest,

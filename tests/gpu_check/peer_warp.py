@@ -46,7 +46,7 @@ def query_signed(mesh: wp.uint64, origin: wp.vec3, spacing: wp.vec3, nx: int, ny
     values[wp.tid()] = distance(mesh, p, wp.mesh_query_point(mesh, p, thickness), thickness)
 
 
-# Warp's own tree, and on a GPU that of NVIDIA's cuBQL, where this Warp has it.
+# Warp's tree, built as Warp chooses and by NVIDIA's cuBQL, where this Warp has that.
 TREES = {"": {}, " cubql": {"bvh_constructor": "cubql"}}
 QUERIES = {"mesh_query_point_no_sign": query_unsigned, "mesh_query_point": query_signed}
 
@@ -90,7 +90,7 @@ def measure(path, once, csv):
         try:
             mesh = wp.Mesh(points=points, indices=indices, **options)
             wp.synchronize()
-        except Exception as error:  # an older Warp, or a device that the tree is not for
+        except Exception as error:  # an older Warp, or one built without cuBQL
             if not options:
                 raise
             print(f"{path.stem}: Warp makes no tree by{tree}: {error}", file=sys.stderr)

@@ -53,12 +53,16 @@ TEST(WindingCache, ByRows) {
     WindingCache known(rays, kernels());
     const std::vector<Vec3> points = points_around(1);
     const auto by_ray = [&](const Vec3& at) { return rays.at(at, kernels()); };
+    const auto none = [](const Vec3&) { return -77; };
+    EXPECT_EQ(known.by_rows(points[0], 1e9, none), -77);  // nothing is known yet
     known.in_ball(points[0], 0, by_ray);
     int of_number[3] = {};
     for (const Vec3& at : points) {
       const std::int32_t winding = by_ray(at);
       ++of_number[winding];
       EXPECT_EQ(known.by_rows(at), winding) << at.x << ' ' << at.y << ' ' << at.z;
+      EXPECT_EQ(known.by_rows(at, 1e9, none), winding);
+      EXPECT_EQ(known.by_rows(at, 0, none), -77);
       known.in_ball(at, 0, by_ray);
     }
     EXPECT_GT(of_number[0], 100);

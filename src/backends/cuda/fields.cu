@@ -88,7 +88,7 @@ void enqueue(std::span<const Task> tasks, void* workspace, std::int64_t bytes, S
       gpu::Workspace memory(workspace);
       SignArrays(memory, task).enqueue(task, stream);
     }
-    enqueue_sidecars(task, {has_sign, has_sign && task.sign.invert, nullptr}, stream);
+    enqueue_sidecars(task, {has_sign, task.sign.invert, nullptr}, stream);
   }
 } catch (...) {
   throw_as_error("cuda");

@@ -199,7 +199,7 @@ SignReport sign_by_host(const DeviceMesh& mesh, const FieldRequest& request, Cal
 void make_sidecars(const Task& task, const SignText& sign, CallerMemory& room, Stream stream) {
   SurfaceNormals normals{sign.method != SignMethod::none, sign.invert, nullptr};
   std::vector<std::int8_t> use;
-  if (task.sidecars.gradient && sign.oriented)
+  if (task.sidecars.gradient && sign.oriented)  // in threads of its own, as the caller may be a task that is cancelled
     use = Threads(0).run([&] { return orientation_of(copied(task.mesh), sign); });
   if (!use.empty()) {
     const auto bytes = static_cast<std::int64_t>(use.size());
@@ -236,8 +236,10 @@ std::vector<OrError<FieldOutcome>> compute_on_stream(std::span<const FieldReques
                 r.method,
                 {.values = r.values, .nearest = r.nearest},
                 meshes.outcome_on_device(one.place)};
-      if (is_sign_on_device(r.sign)) task.sign = r.sign;
-      if (is_sign_on_device(r.sign) || r.sign.method == SignMethod::none) task.sidecars = r.sidecars;
+      const bool on_device = is_sign_on_device(r.sign);
+      if (on_device) task.sign = r.sign;
+      // Where the host decides the sign they are made after it: gradients have the sign of the values.
+      if (on_device || r.sign.method == SignMethod::none) task.sidecars = r.sidecars;
       wanted.push_back(
           {one.place, task, cuda::likely_entries(task.mesh.triangle_count, task.grid, task.thickness, task.method)});
     });

@@ -13,13 +13,14 @@
 #include "gpu/mesh.cuh"
 #include "gpu/platform.cuh"
 #include "gpu/warp.cuh"
+#include "sidecars/cpu/tile_rules.h"
 #include "sidecars/sidecars.h"
-#include "sidecars/tile_rules.h"
 #include "standoff/error.h"
 #include "standoff/field.h"
 
 namespace standoff::STANDOFF_PLATFORM {
 
+// A choice, not measured: four samples for each thread.
 inline constexpr unsigned kSidecarThreads = 128;
 
 /// What the gradient on the surface follows from.
@@ -51,19 +52,21 @@ struct SidecarTileView {
   double place[3][kTileSide];  // the samples, scaled world coordinates
 };
 
-/// The triangles that are nearest to a tile's samples, in shared memory: a table of hashes.
+/// A hash table of the triangles that are nearest to a tile's samples, in shared memory.
 struct TileTriangles {
-  static constexpr unsigned kPlaces = 2 * static_cast<unsigned>(kTileSamples);
-  static constexpr std::uint16_t kNowhere = kPlaces;
-  std::uint16_t place[kTileSamples];  // of each sample's triangle in the table, or kNowhere
-  std::uint32_t triangle[kPlaces];    // kNoTriangle: a free place
-  int first[kPlaces];                 // its first sample
-  int count[kPlaces];                 // its samples
+  static constexpr unsigned kEntries = 2 * static_cast<unsigned>(kTileSamples);
+  static constexpr std::uint16_t kNoEntry = kEntries;
+  std::uint16_t entry[kTileSamples];  // of each sample's triangle in the table, or kNoEntry
+  std::uint32_t triangle[kEntries];   // kNoTriangle: a free entry
+  int first[kEntries];                // its first sample
+  int count[kEntries];                // its samples
   int end;                            // triangles whose first sample is before this one are prepared once
 
-  STANDOFF_DEVICE unsigned place_of(std::uint32_t wanted) {
-    static_assert(kPlaces == 1u << 10);  // the high bits: the low ones are equal for rows of 1024 triangles
-    for (unsigned at = wanted * 2654435761u >> 22;; at = (at + 1) % kPlaces) {
+  STANDOFF_DEVICE unsigned entry_of(std::uint32_t wanted) {
+    // Fibonacci hashing (Knuth): the top ten bits of a product. Its low ten are the same for triangles 1024 apart, as
+    // neighbours in regular meshes may be.
+    static_assert(kEntries == 1u << 10);
+    for (unsigned at = wanted * 2654435761u >> 22;; at = (at + 1) % kEntries) {
       const std::uint32_t there = atomicCAS(&triangle[at], kNoTriangle, wanted);
       if (there == kNoTriangle || there == wanted) return at;
     }
@@ -83,7 +86,7 @@ STANDOFF_DEVICE std::int64_t index_of(const SidecarTask& task, const SidecarTile
 
 /// Reads the tile's nearest triangles. All threads of the block take part.
 STANDOFF_DEVICE void find_triangles(const SidecarTask& task, const SidecarTileView& view, TileTriangles& found) {
-  for (unsigned n = threadIdx.x; n < TileTriangles::kPlaces; n += kSidecarThreads) {
+  for (unsigned n = threadIdx.x; n < TileTriangles::kEntries; n += kSidecarThreads) {
     found.triangle[n] = kNoTriangle;
     found.first[n] = static_cast<int>(kTileSamples);
     found.count[n] = 0;
@@ -92,11 +95,11 @@ STANDOFF_DEVICE void find_triangles(const SidecarTask& task, const SidecarTileVi
   for (int sample = static_cast<int>(threadIdx.x); sample < kTileSamples; sample += int{kSidecarThreads}) {
     const std::uint32_t triangle =
         is_in_grid(task, view, sample) ? task.output.nearest[index_of(task, view, sample)] : kNoTriangle;
-    const unsigned place = triangle == kNoTriangle ? TileTriangles::kNowhere : found.place_of(triangle);
-    found.place[sample] = static_cast<std::uint16_t>(place);
+    const unsigned entry = triangle == kNoTriangle ? TileTriangles::kNoEntry : found.entry_of(triangle);
+    found.entry[sample] = static_cast<std::uint16_t>(entry);
     if (triangle == kNoTriangle) continue;
-    atomicMin(&found.first[place], sample);
-    atomicAdd(&found.count[place], 1);
+    atomicMin(&found.first[entry], sample);
+    atomicAdd(&found.count[entry], 1);
   }
   __syncthreads();
 }
@@ -106,9 +109,9 @@ STANDOFF_DEVICE void find_end(TileTriangles& found) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
   int triangles = 0, samples = 0;
   for (int begin = 0; begin < kTileSamples; begin += 32) {
-    const unsigned place = found.place[begin + lane];
-    const bool is_first = place != TileTriangles::kNowhere && found.first[place] == begin + lane;
-    const int mine = is_first ? found.count[place] : 0, sum = warp_sum_up_to(mine);
+    const unsigned entry = found.entry[begin + lane];
+    const bool is_first = entry != TileTriangles::kNoEntry && found.first[entry] == begin + lane;
+    const int mine = is_first ? found.count[entry] : 0, sum = warp_sum_up_to(mine);
     const std::uint32_t firsts = __ballot_sync(0xffffffffu, is_first);
     const int before = triangles + __popc(firsts & ((1u << lane) - 1));
     const std::uint32_t ends = __ballot_sync(0xffffffffu, is_first && !prepares_more(before, samples + sum - mine));
@@ -192,9 +195,9 @@ STANDOFF_KERNEL void __launch_bounds__(kSidecarThreads) fill_sidecars(SidecarTas
     if (threadIdx.x < 32) find_end(found);
     __syncthreads();
     for (int sample = static_cast<int>(threadIdx.x); sample < kTileSamples; sample += int{kSidecarThreads}) {
-      const unsigned place = found.place[sample];
-      if (place != TileTriangles::kNowhere) {
-        measure_sample(task, view, sample, found.triangle[place], found.first[place] < found.end);
+      const unsigned entry = found.entry[sample];
+      if (entry != TileTriangles::kNoEntry) {
+        measure_sample(task, view, sample, found.triangle[entry], found.first[entry] < found.end);
       } else if (task.output.slots || is_in_grid(task, view, sample)) {
         const Triple<double> nothing{0, 0, 0};
         store_sidecars(task, index_of(task, view, sample), nothing, nothing, 0, nothing);
@@ -208,7 +211,8 @@ STANDOFF_KERNEL void __launch_bounds__(kSidecarThreads) fill_sidecars(SidecarTas
 inline void check_sidecars(const Task& task) {
   if (task.sidecars.any() && !task.output.nearest)
     throw Error(ErrorCode::usage,
-                "cuda: sidecars follow from the nearest triangles, and output.nearest is null; give these memory too");
+                "cuda: sidecars are made from nearest triangles, but output.nearest is null; give it device memory for "
+                "an index of each sample");
 }
 
 /// Launches them, after the task's field and sign. `normals`: of the sign that the values have.

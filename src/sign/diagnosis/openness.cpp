@@ -165,6 +165,7 @@ double openness_of(const OrientedMesh& mesh, const Boundary& boundary) {
   const Cone cone(boundary, bounds(mesh.mesh));
   double weights = 0, sum = 0;
   for (const WeightedPoint& point : points) weights += point.weight;
+  // Counted here: a range of TBB may hold more points than weigh() has room for.
   const std::size_t groups = (points.size() + Cone::kPointsAtOnce - 1) / Cone::kPointsAtOnce;
   tbb::parallel_for(std::size_t{0}, groups, [&](std::size_t n) {
     const auto rest = std::span(points).subspan(n * Cone::kPointsAtOnce);

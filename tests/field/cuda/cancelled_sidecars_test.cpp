@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sidecars in device memory, asked for by a task of TBB that is cancelled. Whatever ran in the caller's own arena would
-// not be done there, and look as if it were: once, the orientation of the mesh that normals on the surface follow.
+// Sidecars asked for by a task of TBB that is cancelled: loops in that task's arena would end at once, and look as if
+// they were done. So the orientation of the mesh is found in threads of its own. A file of its own, as the thread
+// sanitizer's TBB has no task_group.
 #include <gtest/gtest.h>
 #include <tbb/task_group.h>
 

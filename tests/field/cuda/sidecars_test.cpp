@@ -14,14 +14,15 @@
 #include "backends/cuda/fields.h"
 #include "gpu/emulation/block.h"
 #include "gpu/platform_emulated.h"
+#include "sidecars/cpu/tile_rules.h"
 #include "sidecars/cuda/sidecars.cuh"
-#include "sidecars/tile_rules.h"
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"
 #include "standoff/error.h"
 #include "standoff/sidecars.h"
 #include "tests/field/cuda/on_stream.h"
 #include "tests/sign/shapes.h"
+#include "tests/support/expect_error.h"
 #include "tests/support/fields.h"
 #include "tests/support/random_mesh.h"
 
@@ -220,7 +221,7 @@ void find_end_of_tile(emulated::SidecarTask task, int* end) {
 }
 
 // Where a tile stops preparing triangles hardly shows in the bits, as the two ways to measure seldom round differently.
-TEST(CudaSidecars, TilesStopPreparingWhereTheCpuDoes) {
+TEST(CudaSidecars, TilesStopPreparingByTheRule) {
   std::mt19937 engine(178);
   const auto below = [&](unsigned count) { return static_cast<unsigned>(engine() % count); };
   int stopped = 0;
@@ -252,7 +253,7 @@ TEST(CudaSidecars, TilesStopPreparingWhereTheCpuDoes) {
   EXPECT_LT(stopped, 250);
 }
 
-TEST(CudaSidecars, OnlyWhatIsAskedForIsWritten) {
+TEST(CudaSidecars, FeaturesAlone) {
   const Mesh mesh = testing::random_soup(176, 40, 4, 1.2);
   const Grid grid{{12, 12, 12}, {-4, -4, -4}, {0.7, 0.7, 0.7}};
   const BesideValues all = sidecars_on_device(mesh, grid, 1, SignOptions{SignMethod::none});
@@ -262,12 +263,27 @@ TEST(CudaSidecars, OnlyWhatIsAskedForIsWritten) {
   task.sidecars.feature = some.feature.data();
   run_with_sidecars(task);
   EXPECT_TRUE(some.feature == all.feature);
-  EXPECT_EQ(some.gradient, std::vector<float>(some.gradient.size(), kNotWritten));
   task.output.nearest = nullptr;
-  EXPECT_THROW(run_with_sidecars(task), Error);
+  expect_error([&] { run_with_sidecars(task); }, ErrorCode::usage, "output.nearest");
 }
 
-TEST(CudaSidecars, ComputeEachMakesThoseOfSignsThatTheHostDecides) {
+TEST(CudaSidecars, TasksThatFailWriteNone) {
+  Mesh mesh = testing::box();
+  mesh.triangles[5][1] = 1000;
+  const Grid grid{{12, 12, 12}, {-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};
+  BesideValues made(static_cast<std::size_t>(grid.sample_count()));
+  cuda::Task task = sidecar_task(mesh, grid, 1, SignOptions{SignMethod::none});
+  task.output = {made.values.data(), made.nearest.data(), nullptr, 0};
+  task.sidecars = made.sidecars();
+  expect_error([&] { run_with_sidecars(task); }, ErrorCode::input, "triangle 5");
+  const BesideValues untouched(made.values.size());
+  EXPECT_EQ(made.closest, untouched.closest);
+  EXPECT_EQ(made.weights, untouched.weights);
+  EXPECT_EQ(made.gradient, untouched.gradient);
+  EXPECT_EQ(made.feature, untouched.feature);
+}
+
+TEST(CudaSidecars, ComputeEachMakesThemWhoeverDecidesTheSign) {
   // Open, so that the host decides; and with a flipped triangle, so that normals on the surface are not the mesh's own.
   const Mesh open = testing::without(testing::box(), 3), flipped = testing::with_flipped(testing::box(), 2),
              soup = testing::random_soup(177, 60, 1, 0.3, {0.5, 0.5, 0.5});

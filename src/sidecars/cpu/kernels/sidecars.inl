@@ -6,7 +6,7 @@
 
 #include "geometry/closest_part.h"
 #include "sidecars/cpu/kernels.h"
-#include "sidecars/tile_rules.h"
+#include "sidecars/cpu/tile_rules.h"
 #include "simd/points.inl"
 #include "simd/target.h"
 #include "standoff/mesh.h"
