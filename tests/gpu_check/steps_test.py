@@ -201,6 +201,14 @@ class Tables(unittest.TestCase):
         self.assertNotIn("predicted", gpu_tables.goals([row], [], gpu_tables.predictions("the emulated GPU"))[0])
         self.assertNotIn("predicted", gpu_tables.goals([row], [], gpu_tables.predictions("NVIDIA H200\nstandoff: other"))[0])
 
+    def test_peers_stand_beside_the_jobs_that_they_do(self):
+        row = dict(zip(HEAD.split(","), ROW.format("sphere", "32x32x32", "inf").split(",")))
+        peer = {"job": "sphere-inf-32", "query": "mesh_query_point", "median_ms": str(4 * float(row["median_ms"]))}
+        for output, ratio in (("dense", "4"), ("signed", "4"), ("sparse", "")):
+            shown = gpu_tables.goals([{**row, "output": output}], [peer], {})
+            self.assertEqual(shown[0]["Warp, times as long"], ratio)
+        self.assertEqual(gpu_tables.goals([{**row, "grid": "64x64x64"}], [peer], {})[0]["Warp, times as long"], "")
+
     def test_table_5_4_is_of_differences(self):
         rows = [{"table": "table_5.4", "method": "tiles", "output": output, "median_ms": ms}
                 for output, ms in (("dense", "5"), ("counting", "0.5"), ("through_lists", "0.75"))]
