@@ -130,12 +130,12 @@ def test_live_field_errors(meshes):
         so.LiveField((vertices, faces), memory_limit=1000, **OPTIONS)
 
 
-def test_live_field_in_its_own_progress(meshes):
+@pytest.mark.parametrize("again", [lambda live: live.field, lambda live: live.move([], [])], ids=["field", "move"])
+def test_live_field_in_its_own_progress(meshes, again):
     (vertices, faces), (after, _), moved = meshes
     live = so.LiveField((vertices, faces), **OPTIONS)
-    for again in (lambda: live.field, lambda: live.move([], [])):
-        with pytest.raises(so.UsageError, match="after move\\(\\) has returned"):
-            live.move(moved, after[moved], progress=lambda stage, fraction: again())
+    with pytest.raises(so.UsageError, match="after move\\(\\) has returned"):
+        live.move(moved, after[moved], progress=lambda stage, fraction: again(live))
     assert same(live.field, so.field(live.mesh, grid=live.grid, thickness=live.thickness))
 
 
