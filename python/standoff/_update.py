@@ -194,7 +194,9 @@ class LiveField:
     def _not_in_progress(self) -> None:
         """The thread that moves comes through its own lock, when `progress` asks."""
         if self._moving:
-            raise UsageError("live field: `progress` of move() asked for field or move(); ask after move() has returned")
+            raise UsageError(
+                "live field: `progress` of move() asked for field or move(); ask after move() has returned"
+            )
 
 
 def indices(chosen: Any, what: str, count: int) -> np.ndarray:
