@@ -13,7 +13,6 @@
 #include "gpu/mesh.cuh"
 #include "gpu/platform.cuh"
 #include "gpu/warp.cuh"
-#include "sidecars/cpu/tile_rules.h"
 #include "sidecars/sidecars.h"
 #include "standoff/error.h"
 #include "standoff/field.h"

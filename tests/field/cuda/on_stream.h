@@ -33,6 +33,17 @@ struct Strided {
   std::vector<Index> indices;
 };
 
+/// A task whose mesh is where it is; without output.
+inline cuda::Task emulated_task(const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign) {
+  cuda::Task task;
+  task.mesh = {&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()), mesh.triangles.data()->data(),
+               static_cast<std::int64_t>(mesh.triangles.size())};
+  task.grid = grid;
+  task.thickness = thickness;
+  task.sign = sign;
+  return task;
+}
+
 /// The CPU's field without a sign and a skip rule, as on a device.
 inline std::vector<float> on_cpu(const MeshView& mesh, const Grid& grid, double thickness,
                                  Method method = Method::tiles) {

@@ -14,7 +14,6 @@
 #include "backends/cuda/fields.h"
 #include "gpu/emulation/block.h"
 #include "gpu/platform_emulated.h"
-#include "sidecars/cpu/tile_rules.h"
 #include "sidecars/cuda/sidecars.cuh"
 #include "standoff/compute.h"
 #include "standoff/cuda_compute.h"
@@ -97,16 +96,6 @@ void expect_same_sidecars(const BesideValues& found, const BesideValues& wanted)
   EXPECT_TRUE(found.feature == wanted.feature);
 }
 
-cuda::Task sidecar_task(const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign) {
-  cuda::Task task;
-  task.mesh = {&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()), mesh.triangles.data()->data(),
-               static_cast<std::int64_t>(mesh.triangles.size())};
-  task.grid = grid;
-  task.thickness = thickness;
-  task.sign = sign;
-  return task;
-}
-
 cuda::Outcome run_with_sidecars(cuda::Task task) {
   cuda::Outcome outcome{};
   task.outcome = &outcome;
@@ -120,7 +109,7 @@ cuda::Outcome run_with_sidecars(cuda::Task task) {
 
 BesideValues sidecars_on_device(const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign) {
   BesideValues made(static_cast<std::size_t>(grid.sample_count()));
-  cuda::Task task = sidecar_task(mesh, grid, thickness, sign);
+  cuda::Task task = emulated_task(mesh, grid, thickness, sign);
   task.output = {made.values.data(), made.nearest.data(), nullptr, 0};
   task.sidecars = made.sidecars();
   run_with_sidecars(task);
@@ -188,7 +177,7 @@ TEST(CudaSidecars, SparseOutputHasTheBitsOfTheCpu) {
     const auto tiles = static_cast<std::size_t>(field.slots().size());
     BesideValues found(512 * tiles);
     std::vector<std::int32_t> slots(tiles, 4711);
-    cuda::Task task = sidecar_task(c.mesh, c.grid, c.thickness, c.sign);
+    cuda::Task task = emulated_task(c.mesh, c.grid, c.thickness, c.sign);
     task.output = {found.values.data(), found.nearest.data(), slots.data(), static_cast<std::int64_t>(tiles)};
     task.sidecars = found.sidecars();
     run_with_sidecars(task);
@@ -258,7 +247,7 @@ TEST(CudaSidecars, FeaturesAlone) {
   const Grid grid{{12, 12, 12}, {-4, -4, -4}, {0.7, 0.7, 0.7}};
   const BesideValues all = sidecars_on_device(mesh, grid, 1, SignOptions{SignMethod::none});
   BesideValues some(all.values.size());
-  cuda::Task task = sidecar_task(mesh, grid, 1, SignOptions{SignMethod::none});
+  cuda::Task task = emulated_task(mesh, grid, 1, SignOptions{SignMethod::none});
   task.output = {some.values.data(), some.nearest.data(), nullptr, 0};
   task.sidecars.feature = some.feature.data();
   run_with_sidecars(task);
@@ -272,7 +261,7 @@ TEST(CudaSidecars, TasksThatFailWriteNone) {
   mesh.triangles[5][1] = 1000;
   const Grid grid{{12, 12, 12}, {-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};
   BesideValues made(static_cast<std::size_t>(grid.sample_count()));
-  cuda::Task task = sidecar_task(mesh, grid, 1, SignOptions{SignMethod::none});
+  cuda::Task task = emulated_task(mesh, grid, 1, SignOptions{SignMethod::none});
   task.output = {made.values.data(), made.nearest.data(), nullptr, 0};
   task.sidecars = made.sidecars();
   expect_error([&] { run_with_sidecars(task); }, ErrorCode::input, "triangle 5");

@@ -48,16 +48,6 @@ std::vector<float> signed_on_cpu(const MeshView& mesh, const Grid& grid, double 
   return values;
 }
 
-cuda::Task task_of(const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign) {
-  cuda::Task task;
-  task.mesh = {&mesh.vertices.data()->x, static_cast<std::int64_t>(mesh.vertices.size()), mesh.triangles.data()->data(),
-               static_cast<std::int64_t>(mesh.triangles.size())};
-  task.grid = grid;
-  task.thickness = thickness;
-  task.sign = sign;
-  return task;
-}
-
 Outcome run(cuda::Task task) {
   Outcome outcome{};
   task.outcome = &outcome;
@@ -76,7 +66,7 @@ struct Dense {
 Dense dense(const Mesh& mesh, const Grid& grid, double thickness, const SignOptions& sign = {},
             Method method = Method::tiles) {
   Dense made{{}, std::vector<float>(static_cast<std::size_t>(grid.sample_count()), -77.0f)};
-  cuda::Task task = task_of(mesh, grid, thickness, sign);
+  cuda::Task task = emulated_task(mesh, grid, thickness, sign);
   task.method = method;
   task.output.values = made.values.data();
   made.outcome = run(task);
@@ -88,7 +78,7 @@ Dense sparse(const Mesh& mesh, const Grid& grid, double thickness, const SignOpt
   const Size3 tiles = DistanceField::tiles_of(grid.size);
   std::vector<std::int32_t> slots(static_cast<std::size_t>(tiles.count()));
   std::vector<float> stored(slots.size() * DistanceField::kTileSamples, 0.0f);
-  cuda::Task task = task_of(mesh, grid, thickness, sign);
+  cuda::Task task = emulated_task(mesh, grid, thickness, sign);
   task.output = {.values = stored.data(), .slots = slots.data(), .slot_capacity = tiles.count()};
   Dense made{run(task), std::vector<float>(static_cast<std::size_t>(grid.sample_count()))};
   testing::for_each_sample(grid, [&](auto i, auto j, auto k) {
@@ -189,7 +179,7 @@ TEST(DeviceSign, LayersOfTilesTakeTurns) {
   for (const std::int64_t most : {std::int64_t{1}, std::int64_t{2 * 512 * 36}}) {
     std::vector<float> values = on_cpu(mesh, grid, 2);
     Outcome outcome{};
-    cuda::Task task = task_of(mesh, grid, 2, {});
+    cuda::Task task = emulated_task(mesh, grid, 2, {});
     task.output.values = values.data();
     task.outcome = &outcome;
     gpu::Workspace measure(nullptr);
@@ -347,9 +337,9 @@ TEST(DeviceSign, WhatHasNoSignIsAnError) {
   broken.triangles[3][0] = 4711;
   EXPECT_EQ(asked(broken, {}), ErrorCode::input);
 
-  cuda::Task wide = task_of(mesh, {{std::int64_t{1} << 31, std::int64_t{1} << 31, 1}, {}, {1, 1, 1}}, 2, {});
+  cuda::Task wide = emulated_task(mesh, {{std::int64_t{1} << 31, std::int64_t{1} << 31, 1}, {}, {1, 1, 1}}, 2, {});
   EXPECT_EQ(code_of([&] { emulated::workspace_bytes(wide, 0); }), ErrorCode::limit);
-  wide = task_of(mesh, kWholeGrid, 2, {});
+  wide = emulated_task(mesh, kWholeGrid, 2, {});
   const std::uint32_t none_kept = 0;
   wide.mesh.kept = &none_kept;
   wide.mesh.kept_count = 1;
@@ -358,7 +348,7 @@ TEST(DeviceSign, WhatHasNoSignIsAnError) {
   EXPECT_EQ(code_of([&] { run(wide); }), ErrorCode::usage);
 
   std::vector<std::int32_t> slots(27);
-  cuda::Task task = task_of(mesh, kWholeGrid, 0.5, {});
+  cuda::Task task = emulated_task(mesh, kWholeGrid, 0.5, {});
   task.output = {.values = values.data(), .slots = slots.data(), .slot_capacity = 0};
   EXPECT_EQ(code_of([&] { run(task); }), ErrorCode::usage);
   task.thickness = 2;
@@ -374,7 +364,7 @@ TEST(DeviceSign, WhatHasNoSignIsAnError) {
   left_out.triangles.push_back({0, 1, 4711});
   std::vector<std::uint32_t> kept(mesh.triangles.size());
   for (std::uint32_t n = 0; n < kept.size(); ++n) kept[n] = n;
-  cuda::Task some = task_of(left_out, kWholeGrid, 2, {});
+  cuda::Task some = emulated_task(left_out, kWholeGrid, 2, {});
   some.mesh.kept = kept.data();
   some.mesh.kept_count = static_cast<std::int64_t>(kept.size());
   some.output.values = values.data();

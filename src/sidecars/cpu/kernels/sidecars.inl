@@ -6,7 +6,6 @@
 
 #include "geometry/closest_part.h"
 #include "sidecars/cpu/kernels.h"
-#include "sidecars/cpu/tile_rules.h"
 #include "simd/points.inl"
 #include "simd/target.h"
 #include "standoff/mesh.h"
