@@ -162,7 +162,7 @@ class Steps:
             began = time.monotonic()
             with (self.build / "job.txt").open() as line, log.open("w") as output:
                 code = limited([ncu, "--clock-control", "none", "--set", "full", "--profile-from-start", "off",
-                                "--kernel-name", "regex:^(gather|gather_band|bin_long)$", "--force-overwrite", "--export", report,
+                                "--kernel-name", "regex:^(gather|bin_long)$", "--force-overwrite", "--export", report,
                                 self.build / "measure", "--profile"], 90, output, line)
             self.tell(f"profile {job.scene}", began, "ok" if code == 0 else code)
             if code != 0 or not report.exists():  # many machines keep the counters to themselves: no fault of the kernels

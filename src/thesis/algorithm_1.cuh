@@ -92,12 +92,18 @@ STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
 
+/// A block has a thread for each sample of a tile.
+inline constexpr int kTileThreads = kTileSamples;
+STANDOFF_DEVICE SampleAt sample_of_thread() {
+  return group_sample(static_cast<int>(threadIdx.x) / 32, static_cast<int>(threadIdx.x) % 32);
+}
+
 /// For sparse output: writes 1 for each tile with a band sample, 0 for the others, and 0 behind the last. Blocks of 512
 /// threads stride over the tiles.
-STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
+STANDOFF_KERNEL void __launch_bounds__(kTileThreads)
     mark_near_tiles(Lattice l, const Counter* nearest, std::uint32_t* used, Outcome* outcome) {
   if (outcome->stopped) return;
-  const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
+  const SampleAt at = sample_of_thread();
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
     std::int64_t tile[3];
     tile_at(l, index, tile);
@@ -111,16 +117,60 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
   }
 }
 
+/// A tile's finished samples, x fastest, before they are written in rows.
+struct Finished {
+  float value[kTileSamples];
+  std::uint32_t nearest[kTileSamples];
+  unsigned band;  // samples in the band
+};
+
+/// Writes a tile to its slot, or to its place in the dense grid. All threads of the block take part.
+STANDOFF_DEVICE void write_finished(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
+                                const DeviceOutput& output) {
+  const int t = static_cast<int>(threadIdx.x);
+  std::int64_t at;
+  if (output.slots) {
+    at = std::int64_t{output.slots[index]} * kTileSamples + t;
+  } else {
+    const int x = t % 8, y = t / 8 % 8, z = t / 64;
+    if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) return;
+    at = view.tile[0] * 8 + x + l.size[0] * (view.tile[1] * 8 + y + l.size[1] * (view.tile[2] * 8 + z));
+  }
+  output.values[at] = finished.value[t];
+  if (output.nearest) output.nearest[at] = finished.nearest[t];
+}
+
+/// Clamps the samples, stores them in `finished`, and writes the tile. A sparse field does not store a tile without a
+/// band sample. All threads of the block take part.
+STANDOFF_DEVICE void finish_samples(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
+                                 float value, std::uint32_t nearest, bool is_band, Finished& finished,
+                                 const DeviceOutput& output, Outcome* outcome) {
+  const int t = at.x + 8 * at.y + 64 * at.z;
+  finished.value[t] = value;
+  finished.nearest[t] = nearest;
+  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
+  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
+  __syncthreads();
+  if (!output.slots || finished.band != 0) write_finished(l, view, index, finished, output);
+  if (threadIdx.x == 0) atomicAdd(&outcome->samples_band, Counter{finished.band});
+  __syncthreads();
+  if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
+}
+
 /// Makes the field from least squared distances. Blocks stride over the tiles.
-STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
+STANDOFF_KERNEL void __launch_bounds__(kTileThreads)
     write_samples(Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
   __shared__ Finished finished;
   __shared__ TileView view;
   if (outcome->stopped) return;
-  const SampleAt at = sample_of_thread(static_cast<int>(threadIdx.x));
+  const SampleAt at = sample_of_thread();
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
-    view_tile(l, index, view);
-    if (threadIdx.x == 0) finished.band = finished.measured = 0;
+    if (threadIdx.x < 32) {  // saves the other warps the division
+      std::int64_t tile[3];
+      tile_at(l, index, tile);
+      view_tile(l, tile, static_cast<int>(threadIdx.x), view);
+    }
+    if (threadIdx.x == 0) finished.band = 0;
     __syncthreads();
     const std::int64_t* const tile = view.tile;
     const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
@@ -133,7 +183,7 @@ STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
       triangle = static_cast<std::uint32_t>(found);
     }
     const bool in_band = triangle != kNoTriangle && value <= l.thickness_world;
-    finish_tile(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
+    finish_samples(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
                 output, outcome);
   }
 }
@@ -160,7 +210,7 @@ struct Algorithm1 {
   void mark(const Lattice& l, const Task& task, Stream stream) const {
     if (!task.output.slots) return;
     fill_bytes(stream, tiles.used, 0, (l.tile_count() + 1) * static_cast<std::int64_t>(sizeof(std::uint32_t)));
-    launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kGatherThreads, l, nearest, tiles.used, task.outcome);
+    launch(stream, "mark tiles", mark_near_tiles, tile_blocks(l), kTileThreads, l, nearest, tiles.used, task.outcome);
     tiles.give(l, task, stream);
   }
   /// First half: both.
@@ -172,7 +222,7 @@ struct Algorithm1 {
 
   /// Second half: makes the field from them.
   void write(const Lattice& l, const Task& task, Stream stream) const {
-    launch(stream, "write", write_samples, tile_blocks(l), kGatherThreads, l, nearest, task.output, task.outcome);
+    launch(stream, "write", write_samples, tile_blocks(l), kTileThreads, l, nearest, task.output, task.outcome);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {

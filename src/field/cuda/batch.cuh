@@ -102,10 +102,12 @@ struct ManyBands : BandLists {
   /// Second half: writes the lists, and the fields from them.
   void fill(const BatchTask& task, Stream stream) const {
     const ManyFields many = fields_of(task);
+    list_triangles({}, many, stream);
+    const ByRows<AllSteps> way;
     if (task.nearest)
-      fill_all<AllSteps, true>({}, many, true, stream);
+      gather.run<true>({}, many, way, lists, true, stream);
     else
-      fill_all<AllSteps, false>({}, many, true, stream);
+      gather.run<false>({}, many, way, lists, true, stream);
     launch(stream, "sum counts", sum_counts, blocks_for(task.count), kThreads, many);
   }
 

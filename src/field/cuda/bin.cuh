@@ -19,11 +19,6 @@ STANDOFF_DEVICE void stop_for_miscount(Outcome* outcome) {
   stop(outcome);
 }
 
-/// The largest coordinate of a box, in magnitude.
-STANDOFF_DEVICE float farthest_coordinate(const BoxOf<float>& b) {
-  return max(max(max(abs(b.low.x), abs(b.high.x)), max(abs(b.low.y), abs(b.high.y))), max(abs(b.low.z), abs(b.high.z)));
-}
-
 // Thin bands: lists the triangles of each tile, by counting. A triangle belongs to the tiles that its box, grown by the
 // thickness, touches. If it touches more than two tiles along an axis, it is measured from their centres, exactly: by
 // one lane or several, by a warp if it touches many tiles, by several warps if it touches very many.

@@ -7,9 +7,14 @@
 //   bound    finds for each child a bound of the distance at its centre, and the triangle that gives it
 //   keep     decides which children keep each candidate, and counts them
 //   hand     writes the candidates into the children's lists
+//
+// A triangle that is not larger than a child is known well enough by its box: it is no nearer than that, and no farther
+// than the box's middle and what lies between the middle and the triangle. That takes a tenth of the instructions of
+// setting it up and measuring it, which larger triangles need.
 #pragma once
 
 #include "field/cuda/bin.cuh"
+#include "field/cuda/culling.cuh"
 #include "field/lattice.h"
 #include "gpu/warp.cuh"
 
@@ -63,25 +68,47 @@ STANDOFF_INLINE CellBox cell_at(const Lattice& l, const Level& level, const std:
 
 namespace standoff::STANDOFF_PLATFORM {
 
-inline constexpr int kStepThreads = 256;
+// Four blocks to a multiprocessor, which leave 64 registers.
+inline constexpr int kStepThreads = 256, kStepBlocks = 4;
 /// A chunk has at most so many candidates. It is found, and its children set up, once.
 inline constexpr Counter kChunk = 4 * kStepThreads;
+
+/// A triangle's box, relative to the grid's centre. Grid units.
+struct alignas(16) TriangleBox {
+  Triple<float> middle;
+  float off;  // the middle's distance from the triangle
+  Triple<float> half;
+  float largest;  // of `half`
+};
+/// Triangles in boxes whose half sides are at most this share of a child's radius are known by their boxes. Decides no
+/// bit. Larger: more candidates are kept. Smaller: more triangles are measured.
+inline constexpr float kBoxShare = 1;
+
+/// The boxes of all used triangles, by number.
+struct TriangleBoxes {
+  TriangleBox* all;
+  Triple<double> grid_center;
+  float grid_extent;  // the largest coordinate of the grid's samples, relative to its centre
+};
 
 /// The arrays of a step.
 struct Step {
   Level parent, child;
+  TriangleBoxes boxes;
   const Counter* parent_start;          // per parent, and the end
-  const std::uint32_t* parent_entries;  // triangles
+  const std::uint32_t* parent_entries;  // numbers of used triangles
   const Counter* chunk_start;           // per parent, and the end
   unsigned char* keep;                  // per parent's entry: a bit per child
-  Counter* bound;                       // per child: bound (a float's bits) << 32 | triangle
+  Counter* bound;                       // per child: bound (a float's bits) << 32 | number of the used triangle
   std::uint32_t* child_counts;          // per child, and a zero behind
   const Counter* child_start;
-  std::uint32_t* child_entries;
+  std::uint32_t* child_entries;  // as the parents'; of tiles, triangles of the mesh
 };
 
-/// Writes the root's list: all triangles. A thread per triangle.
-STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* start, Outcome* outcome) {
+/// Writes the root's list: all used triangles, by number, and their boxes. If there is no other level (`is_tile`), the
+/// root is a tile. A thread per triangle.
+STANDOFF_KERNEL void list_all(Lattice l, DeviceMesh mesh, TriangleBoxes boxes, bool is_tile, std::uint32_t* entries,
+                              Counter* start, Outcome* outcome) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
   if (n == 0) {
     start[0] = 0;
@@ -89,8 +116,16 @@ STANDOFF_KERNEL void list_all(DeviceMesh mesh, std::uint32_t* entries, Counter* 
   }
   if (n >= mesh.used_count()) return;
   const std::uint32_t triangle = used_triangle(mesh, n);
-  entries[n] = triangle;
-  is_valid(mesh, triangle, outcome);
+  entries[n] = is_tile ? triangle : static_cast<std::uint32_t>(n);
+  if (!is_valid(mesh, triangle, outcome)) return;
+  const Corners c = corners_of(mesh, triangle);
+  const Triple<double>& center = boxes.grid_center;
+  const Triple<float> at[3] = {narrowed(local(l, c.at[0], center)), narrowed(local(l, c.at[1], center)),
+                               narrowed(local(l, c.at[2], center))};
+  const CenteredBox box = centered(box_of(at[0], at[1], at[2]));
+  const auto frame = make_frame(at[0], at[1], at[2], float{kLeastLengthSq});
+  boxes.all[n] = {box.middle, sqrt(distance_sq(frame, box.middle)), box.half,
+                  max(box.half.x, max(box.half.y, box.half.z))};
 }
 
 /// Writes the number of chunks of each parent, and 0 behind the last. A thread per parent.
@@ -102,6 +137,13 @@ STANDOFF_KERNEL void count_chunks(const Counter* start, std::int64_t parents, st
                   : 0;
 }
 
+/// The record of the boxes, without their memory.
+inline TriangleBoxes boxes_of(const Lattice& l) {
+  const std::int64_t first[3] = {0, 0, 0};
+  const CellBox grid = cell_at(l, level_of(l, top_level(l)), first);
+  return {nullptr, grid.center, max(grid.half[0], max(grid.half[1], grid.half[2]))};
+}
+
 /// Sets all bounds to infinity. A thread per child.
 STANDOFF_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
   const std::int64_t n = std::int64_t{blockIdx.x} * blockDim.x + threadIdx.x;
@@ -109,21 +151,23 @@ STANDOFF_KERNEL void clear_bounds(Counter* bound, std::int64_t children) {
 }
 
 /// A child, relative to the parent's centre.
-struct Child {
-  std::int64_t index;  // -1 if the grid ends before it
+struct alignas(16) Child {
   Triple<float> center;
-  float half[3], radius;
-  float within;           // bounds the distance of its samples from the mesh, by the bound at its centre
-  Triple<float> surface;  // the point of the mesh that gives the bound
+  float reach_sq;  // candidates farther from the centre are not the nearest of any sample
+  NearSurface surface;
+  float width[3], radius;
+  float half_typical, half_inverse;  // half of a distance that candidates typically have, and half of its inverse
+  std::int64_t index;                // -1 if the grid ends before it
 };
 
 /// The shared memory of a chunk's threads.
 struct Chunk {
   Counter first, end;  // entries
   Triple<double> center;
-  float extent;  // the parent's largest coordinate
+  Triple<float> from_grid;  // the centre, relative to the grid's
+  float extent;             // the parent's largest coordinate
   Child child[8];
-  Counter least[8];
+  Counter least[8];  // bits of a squared distance << 32 | number of the triangle
   unsigned counts[8];
   Counter base[8];
 };
@@ -142,6 +186,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
       const Counter end = step.parent_start[parent + 1];
       chunk.end = chunk.first + kChunk < end ? chunk.first + kChunk : end;
       chunk.center = whole.center;
+      chunk.from_grid = narrowed(whole.center - step.boxes.grid_center);
       chunk.extent = max(whole.half[0], max(whole.half[1], whole.half[2]));
     }
     const std::int64_t of_child[3] = {2 * at[0] + (t & 1), 2 * at[1] + (t >> 1 & 1), 2 * at[2] + (t >> 2)};
@@ -151,7 +196,7 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
       const CellBox cell = cell_at(l, step.child, of_child);
       child.index = of_child[0] + step.child.cells[0] * (of_child[1] + step.child.cells[1] * of_child[2]);
       child.center = narrowed(cell.center - whole.center);
-      for (int axis = 0; axis < 3; ++axis) child.half[axis] = cell.half[axis];
+      for (int axis = 0; axis < 3; ++axis) child.width[axis] = 2 * cell.half[axis];
       child.radius = cell.radius;
     }
     chunk.least[t] = ~Counter{0};
@@ -160,69 +205,77 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
   __syncthreads();
 }
 
-/// A triangle's corners and box relative to the parent's centre.
-struct CandidateCorners {
-  Triple<float> a, b, c;
-  BoxOf<float> box;
-  float slack;  // the error of a distance
-};
-STANDOFF_DEVICE CandidateCorners candidate_corners(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                                   const Chunk& chunk) {
-  const Corners c = corners_of(mesh, triangle);
-  CandidateCorners at{narrowed(local(l, c.at[0], chunk.center)),
-                      narrowed(local(l, c.at[1], chunk.center)),
-                      narrowed(local(l, c.at[2], chunk.center)),
-                      {},
-                      0};
-  at.box = box_of(at.a, at.b, at.c);
-  at.slack = fma(max(farthest_coordinate(at.box), chunk.extent), kSlackOfCoordinate, kSlack);
-  return at;
+/// The frame of a used triangle, relative to the parent's centre.
+STANDOFF_DEVICE TriangleFrame<float> frame_of(const Lattice& l, const DeviceMesh& mesh, std::uint32_t number,
+                                              const Chunk& chunk) {
+  const Corners c = corners_of(mesh, used_triangle(mesh, number));
+  return make_frame(narrowed(local(l, c.at[0], chunk.center)), narrowed(local(l, c.at[1], chunk.center)),
+                    narrowed(local(l, c.at[2], chunk.center)), float{kLeastLengthSq});
 }
-STANDOFF_DEVICE TriangleFrame<float> frame_of(const CandidateCorners& at) {
-  return make_frame(at.a, at.b, at.c, float{kLeastLengthSq});
+
+/// Whether a triangle is known by its box. If so, it is not farther than the box's middle and `off`.
+STANDOFF_DEVICE bool is_small(const TriangleBox& box, const Chunk& chunk) {
+  return box.largest <= kBoxShare * chunk.child[0].radius;
+}
+/// The error of a triangle's distances from the grid's cells.
+STANDOFF_DEVICE float slack_of(const TriangleBox& box, const Step& step) {
+  const float farthest = max(max(abs(box.middle.x), abs(box.middle.y)), abs(box.middle.z)) + box.largest;
+  return distance_slack(max(farthest, step.boxes.grid_extent));
 }
 
 /// A candidate relative to the parent's centre.
 struct Candidate {
-  TriangleFrame<float> frame;
-  BoxOf<float> box;
+  CenteredBox box;
   float slack;
-};
-STANDOFF_DEVICE Candidate candidate(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                                    const Chunk& chunk) {
-  const CandidateCorners at = candidate_corners(l, mesh, triangle, chunk);
-  return {frame_of(at), at.box, at.slack};
-}
+  bool is_small;
+  TriangleFrame<float> frame;  // unless it is small
 
-/// Bounds of the distances of a triangle from points. The centroid of a small one is a good enough point of it, and
-/// takes a tenth of the instructions.
-struct UpperBounds {
-  TriangleFrame<float> frame;
-  Triple<float> centroid;
-  float slack;
-  bool by_centroid;
-
-  STANDOFF_DEVICE float at(const Triple<float>& p) const {
-    const Triple<float> from = p - centroid;
-    return sqrt(by_centroid ? dot(from, from) : distance_sq(frame, p)) + slack;
+  STANDOFF_DEVICE Candidate(const Lattice& l, const DeviceMesh& mesh, const Step& step, std::uint32_t number,
+                            const Chunk& chunk) {
+    const TriangleBox known = step.boxes.all[number];
+    box = {known.middle - chunk.from_grid, known.half};
+    slack = slack_of(known, step);
+    is_small = STANDOFF_PLATFORM::is_small(known, chunk);
+    if (!is_small) frame = frame_of(l, mesh, number, chunk);
+  }
+  /// The squared distance of p from the middle of the box, or from the triangle.
+  STANDOFF_DEVICE float distance_sq_to(const Triple<float>& p) const {
+    const Triple<float> from = p - box.middle;
+    return is_small ? dot(from, from) : distance_sq(frame, p);
   }
 };
-/// A triangle is small if no side of its box is longer than `small`.
-STANDOFF_DEVICE UpperBounds upper_bounds(const CandidateCorners& at, float small) {
-  UpperBounds bounds{{}, (at.a + at.b + at.c) * (1.0f / 3), at.slack, longest_side(at.box) <= small};
-  if (!bounds.by_centroid) bounds.frame = frame_of(at);
-  return bounds;
+
+/// Whether a candidate may be nearest to a sample of a child.
+STANDOFF_DEVICE bool may_be_nearest(const Candidate& c, const Child& child) {
+  // The candidate is no nearer to the child's centre than `least`, or for a box `least / distance`, where `distance` is
+  // that of its middle: so nothing is divided, and no root is taken.
+  float least, distance_sq_or_1;
+  if (c.is_small) {
+    // A box is no nearer than its nearest corner along the line through its middle. The slack takes slack * distance off,
+    // which is at most slack * (distance^2 / typical + typical) / 2.
+    const Triple<float> from = child.center - c.box.middle;
+    const float squared = dot(from, from), by_slack = fma(squared, child.half_inverse, child.half_typical);
+    const float in_box =
+        fma(abs(from.x), c.box.half.x, fma(abs(from.y), c.box.half.y, abs(from.z) * c.box.half.z));
+    least = fma(-c.slack, by_slack, squared - in_box);
+    distance_sq_or_1 = squared;
+  } else {
+    least = sqrt(distance_sq(c.frame, child.center)) - c.slack;
+    distance_sq_or_1 = 1;
+  }
+  least = max(least, 0.0f);
+  return least * least <=
+         min(child.reach_sq, bisector_sq(child.width, c.box, child.surface)) * distance_sq_or_1;
 }
 
-/// Lowers the least bound of a child by those of a warp's lanes. All lanes take part.
-STANDOFF_DEVICE void lower_bound(float most, std::uint32_t triangle, Counter& least) {
+/// Lowers the least distance of a child by those of a warp's lanes. All lanes take part.
+STANDOFF_DEVICE void lower_least(float squared, std::uint32_t number, Counter& least) {
   // Distances are not negative, so their order equals the order of their bits.
-  const std::uint32_t bits = __float_as_uint(most), fewest = warp_min(bits);
-  const std::uint32_t first = warp_min(bits == fewest ? triangle : kNoTriangle);
-  if (threadIdx.x % 32 == 0) atomicMin(&least, Counter{fewest} << 32 | first);
+  const std::uint32_t bits = __float_as_uint(squared), fewest = warp_min(bits);
+  if (bits == fewest && fewest <= load_relaxed(&least) >> 32) atomicMin(&least, Counter{bits} << 32 | number);
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads, kStepBlocks)
     bound_children(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -233,43 +286,53 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);
       const std::uint32_t triangle = step.parent_entries[entry < chunk.end ? entry : chunk.first];
-      const UpperBounds bounds = upper_bounds(candidate_corners(l, mesh, triangle, chunk), chunk.child[0].radius / 2);
+      const Candidate c(l, mesh, step, triangle, chunk);
       for (int n = 0; n < 8; ++n)
-        if (chunk.child[n].index >= 0) lower_bound(bounds.at(chunk.child[n].center), triangle, chunk.least[n]);
+        if (chunk.child[n].index >= 0)
+          lower_least(c.distance_sq_to(chunk.child[n].center), triangle, chunk.least[n]);
     }
     __syncthreads();
-    if (t < 8 && chunk.child[t].index >= 0) atomicMin(&step.bound[chunk.child[t].index], chunk.least[t]);
+    if (t < 8 && chunk.child[t].index >= 0) {
+      const auto nearest = static_cast<std::uint32_t>(chunk.least[t]);
+      const TriangleBox box = step.boxes.all[nearest];
+      const float distance = sqrt(__uint_as_float(static_cast<std::uint32_t>(chunk.least[t] >> 32)));
+      const float most = distance + (is_small(box, chunk) ? box.off : 0) + slack_of(box, step);
+      atomicMin(&step.bound[chunk.child[t].index], Counter{__float_as_uint(most)} << 32 | nearest);
+    }
   }
-}
-
-/// Whether a candidate may be nearest to a sample of the child.
-STANDOFF_DEVICE bool may_be_nearest(const Lattice& l, const Candidate& c, const Child& child) {
-  const float least = max(sqrt(distance_sq(c.frame, child.center)) - c.slack, 0.0f);
-  const float by_distance = child.within + 2 * child.radius * (1 + kSlackRatio);
-  const float by_reach = l.thickness * (1 + kSlackRatio) + child.radius;
-  if (least > min(by_distance, by_reach)) return false;
-  const Triple<float>& q = child.surface;
-  float spread = 2 * child.half[0] * max(c.box.high.x - q.x, q.x - c.box.low.x);
-  spread = fma(2 * child.half[1], max(c.box.high.y - q.y, q.y - c.box.low.y), spread);
-  spread = fma(2 * child.half[2], max(c.box.high.z - q.z, q.z - c.box.low.z), spread);
-  const float within = child.within * (1 + kBisectorSlack);
-  return fma(least, least, -spread) < within * within;
 }
 
 /// Finds the point of the surface that bounds distances at a child's centre: the closest one of the triangle that gave
 /// the bound. It may lower the bound.
-STANDOFF_DEVICE void bound_by_closest_point(const Lattice& l, const DeviceMesh& mesh, const Chunk& chunk, Child& child,
-                                            Counter& bound) {
+STANDOFF_DEVICE void bound_by_closest_point(const Lattice& l, const DeviceMesh& mesh, const Step& step,
+                                            const Chunk& chunk, Child& child) {
+  Counter& bound = step.bound[child.index];
   const Counter known = load_relaxed(&bound);  // blocks of the same parent lower it to the same number
-  const auto triangle = static_cast<std::uint32_t>(known);
-  const Candidate nearest = candidate(l, mesh, triangle, chunk);
-  child.surface = closest_in_frame(nearest.frame, child.center);
-  const float by_closest = sqrt(distance_sq(nearest.frame, child.center)) + nearest.slack;
-  child.within = min(__uint_as_float(static_cast<std::uint32_t>(known >> 32)), by_closest);
-  atomicMin(&bound, Counter{__float_as_uint(child.within)} << 32 | triangle);
+  const auto nearest = static_cast<std::uint32_t>(known);
+  const auto frame = frame_of(l, mesh, nearest, chunk);
+  const float by_closest = sqrt(distance_sq(frame, child.center)) + slack_of(step.boxes.all[nearest], step);
+  const float within = min(__uint_as_float(static_cast<std::uint32_t>(known >> 32)), by_closest);
+  atomicMin(&bound, Counter{__float_as_uint(within)} << 32 | nearest);
+  child.surface = {closest_in_frame(frame, child.center), within};
+  const float reach =
+      min(within + 2 * child.radius * (1 + kSlackRatio), l.thickness * (1 + kSlackRatio) + child.radius);
+  child.reach_sq = reach * reach * (1 + kBisectorSlack);
+  child.half_typical = (within + child.radius) / 2;
+  child.half_inverse = 0.25f / child.half_typical;
 }
 
-STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
+/// Counts, for each of eight children, the lanes whose bit is set; lane n returns the count of child n. All lanes take
+/// part.
+STANDOFF_DEVICE unsigned counts_of_children(unsigned bits) {
+  unsigned count = 0;
+  for (unsigned n = 0; n < 8; ++n) {
+    const std::uint32_t votes = __ballot_sync(0xffffffffu, bits >> n & 1);
+    if (threadIdx.x % 32 == n) count = static_cast<unsigned>(__popc(votes));
+  }
+  return count;
+}
+
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads, kStepBlocks)
     keep_candidates(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
@@ -278,21 +341,21 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
     if (t < 8 && chunk.child[t].index >= 0)
-      bound_by_closest_point(l, mesh, chunk, chunk.child[t], step.bound[chunk.child[t].index]);
+      bound_by_closest_point(l, mesh, step, chunk, chunk.child[t]);
     __syncthreads();
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);
       const bool mine = entry < chunk.end;
-      const Candidate c = candidate(l, mesh, step.parent_entries[mine ? entry : chunk.first], chunk);
+      const Candidate c(l, mesh, step, step.parent_entries[mine ? entry : chunk.first], chunk);
       unsigned kept = 0;
       for (int n = 0; n < 8; ++n) {
-        if (chunk.child[n].index < 0) continue;
-        const bool keeps = mine && may_be_nearest(l, c, chunk.child[n]);
-        kept |= keeps ? 1u << n : 0u;
-        const std::uint32_t votes = __ballot_sync(0xffffffffu, keeps);
-        if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
+        const Child& child = chunk.child[n];
+        if (child.index < 0) continue;
+        if (mine && may_be_nearest(c, child)) kept |= 1u << n;
       }
       if (mine) step.keep[entry] = static_cast<unsigned char>(kept);
+      const unsigned count = counts_of_children(kept);
+      if (count != 0) atomicAdd(&chunk.counts[t % 32], count);
     }
     __syncthreads();
     if (t < 8 && chunk.counts[t] != 0) atomicAdd(&step.child_counts[chunk.child[t].index], chunk.counts[t]);
@@ -301,21 +364,20 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads)
 
 /// Writes the block's candidates into the children's lists. Two sweeps over the chunk: the first one counts, so that
 /// each child's list is lengthened once.
-STANDOFF_KERNEL void __launch_bounds__(kStepThreads) hand_down(Lattice l, Step step, Outcome* outcome) {
+STANDOFF_KERNEL void __launch_bounds__(kStepThreads, kStepBlocks)
+    hand_down(Lattice l, DeviceMesh mesh, Step step, Outcome* outcome) {
   __shared__ Chunk chunk;
   if (outcome->stopped) return;
   const int t = static_cast<int>(threadIdx.x);
   const std::uint32_t before_me = (1u << t % 32) - 1;
+  const bool are_tiles = step.child.side == kTileSide;
   const Counter chunks = step.chunk_start[step.parent.count()];
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);
-      const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
-      for (int n = 0; n < 8; ++n) {
-        const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
-        if (t % 32 == 0 && votes) atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
-      }
+      const unsigned count = counts_of_children(entry < chunk.end ? step.keep[entry] : 0u);
+      if (count != 0) atomicAdd(&chunk.counts[t % 32], count);
     }
     __syncthreads();
     // Lists fill from their ends, which takes the counts back down to zero.
@@ -327,15 +389,17 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads) hand_down(Lattice l, Step s
     __syncthreads();
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);
-      const unsigned kept = entry < chunk.end ? step.keep[entry] : 0;
-      const std::uint32_t triangle = kept ? step.parent_entries[entry] : 0;
+      const unsigned kept = entry < chunk.end ? step.keep[entry] : 0u;
+      const unsigned count = counts_of_children(kept);
+      if (__ballot_sync(0xffffffffu, kept != 0) == 0) continue;
+      Counter of_warp = 0;  // of lane n: where the warp's entries of child n begin
+      if (count != 0) of_warp = chunk.base[t % 32] + atomicAdd(&chunk.counts[t % 32], count);
+      const std::uint32_t candidate = kept ? step.parent_entries[entry] : 0;
+      const std::uint32_t triangle = are_tiles && kept ? used_triangle(mesh, candidate) : candidate;
       for (int n = 0; n < 8; ++n) {
         const std::uint32_t votes = __ballot_sync(0xffffffffu, kept >> n & 1);
-        if (votes == 0) continue;
-        unsigned place = 0;
-        if (t % 32 == 0) place = atomicAdd(&chunk.counts[n], static_cast<unsigned>(__popc(votes)));
-        place = __shfl_sync(0xffffffffu, place, 0) + static_cast<unsigned>(__popc(votes & before_me));
-        if (kept >> n & 1) step.child_entries[chunk.base[n] + place] = triangle;
+        const Counter place = __shfl_sync(0xffffffffu, of_warp, n);
+        if (kept >> n & 1) step.child_entries[place + static_cast<Counter>(__popc(votes & before_me))] = triangle;
       }
     }
     __syncthreads();

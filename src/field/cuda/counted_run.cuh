@@ -131,7 +131,7 @@ inline void ThickBand::run(CountedRun& run) {
   require_free_memory(most * kBytesPerEntry);
   capacity = ~Counter{0};
   entries[0] = run.entries[0].room_for<std::uint32_t>(most);
-  begin(run.task, nullptr);
+  begin(run.lattice, run.task, nullptr);
   int half = 0;
   for (int number = top_level(run.lattice); number > 0; --number, half = 1 - half) {
     keep = run.keep.room_for<unsigned char>(most);

@@ -1,25 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thick bands and full fields: a block of threads per tile. Each thread holds a sample in registers, all triangles of
-// the tile pass through shared memory, and each sample is written once. (Thin bands: gather_band.cuh.)
+// From lists of triangles to distances. A warp takes one work item (gather_work.cuh) after another and computes the
+// item's tile alone: it shares nothing with other warps, so none waits for another one.
 //
-// A warp holds 4x4x2 samples. Before it measures, its lanes compare 32 triangles with the centre of these samples, one
-// each, and a vote keeps the triangles that may be nearer than the samples' best. So all lanes measure the same
-// triangle (one read for all), and triangles far from all 32 samples are skipped. Skipping them changes no bit.
+// A warp sets up 32 triangles of the list at a time, one per lane, in shared memory. The best of each sample of the
+// tile lies there too, and is lowered by atomic minima, as several lanes may reach the same sample: so the order of
+// triangles changes no bit.
+//
+// A short triangle is set up as a frame in float, a long one as linear functions in double (tolerances.h). Which samples
+// a short one is measured from is found in one of two ways:
+//   ByRows     thin bands: in the rows of samples that its box, grown by the thickness, reaches (gather_rows.cuh)
+//   ByGroups   thick bands and full fields: in the groups of 4x4x2 samples where it may be the nearest triangle
+//              (gather_groups.cuh)
+// A long triangle is measured in groups either way. A way W has
+//   W::Steps                        the steps that it takes: AllSteps, but for benchmarks
+//   W::Stage                        what a warp has set up
+//   way.begin(l, mesh, tile)        begins an item
+//   W::gather_short(...)            sets up to 32 triangles up and measures the short ones
+//   W::Group                        decides whether a long triangle is measured in a group
 #pragma once
 
+#include <type_traits>
+
 #include "field/cuda/bin.cuh"
+#include "field/cuda/culling.cuh"
+#include "field/cuda/gather_work.cuh"
 #include "field/tolerances.h"
 #include "gpu/warp.cuh"
 
 namespace standoff::STANDOFF_PLATFORM {
 
-/// The tile of a block, in shared memory.
+// Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One thin band gains more by
+// registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for
+// eight.
+inline constexpr int kGatherThreads = 128, kGatherWarps = kGatherThreads / 32;
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+inline constexpr int kBlocksOfMany = 8;
+#else
+inline constexpr int kBlocksOfMany = 9;
+#endif
+template <class Fields>
+inline constexpr int kBlocks = Fields::kMany ? kBlocksOfMany : 8;
+
+// The samples of a tile.
+
+/// The tile of a warp or block, in shared memory.
 struct TileView {
   std::int64_t tile[3];
-  float coordinate[3][kTileSide];  // the samples, relative to the brick's centre
-  float to_samples[3];             // samples per grid unit
-  int inside[3];                   // samples inside the grid
-  Triple<double> center;           // the brick's centre
+  alignas(16) float coordinate[3][kTileSide];  // the samples, relative to the brick's centre
+  float to_samples[3];                         // samples per grid unit
+  int inside[3];                               // samples inside the grid
+  Triple<double> center;                       // the brick's centre
 };
 
 /// Thread t fills its part of the view of `tile`: 24 threads fill all of it.
@@ -34,20 +64,70 @@ STANDOFF_DEVICE void view_tile(const Lattice& l, const std::int64_t* tile, int t
   }
   if (t == 0) view.center = brick_center(l, tile);
 }
-/// The same for the tile number `index`.
-STANDOFF_DEVICE void view_tile(const Lattice& l, std::int64_t index, TileView& view) {
-  if (threadIdx.x >= 32) return;  // saves the other warps the division
-  std::int64_t tile[3];
-  tile_at(l, index, tile);
-  view_tile(l, tile, static_cast<int>(threadIdx.x), view);
+
+// A tile has 2x2x4 groups of 4x4x2 samples.
+inline constexpr int kGroups = kTileSamples / 32;
+struct SampleAt {
+  int x, y, z;
+};
+/// Sample `n` of a group.
+STANDOFF_DEVICE SampleAt group_sample(int group, int n) {
+  return {(group & 1) * 4 + (n & 3), (group >> 1 & 1) * 4 + (n >> 2 & 3), (group >> 2) * 2 + (n >> 4)};
+}
+STANDOFF_DEVICE Triple<float> group_center(const TileView& view, int group) {
+  const SampleAt at = group_sample(group, 0);
+  const float* const x = view.coordinate[0] + at.x;
+  const float* const y = view.coordinate[1] + at.y;
+  const float* const z = view.coordinate[2] + at.z;
+  return {(x[0] + x[3]) / 2, (y[0] + y[3]) / 2, (z[0] + z[1]) / 2};
+}
+/// The extent of a group's samples along each axis, and half their diagonal, rounded up. Grid units.
+struct alignas(16) GroupExtent {
+  float width[3], radius;
+};
+STANDOFF_DEVICE GroupExtent group_extent(const Lattice& l) {
+  GroupExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
+                0};
+  const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
+  e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
+  return e;
 }
 
-/// A triangle that is set up: its frame, or its lines if it is long. It takes eleven loads of 16 bytes. Triangles are
-/// 44 words apart: so loads by neighbouring threads of neighbouring triangles never conflict in a bank of shared
-/// memory.
-struct alignas(16) Staged {
-  float number[44];
-};
+/// The best of a sample as an integer: the bits of the squared distance, which ascend with it because it is not
+/// negative; and below them the nearest triangle's index if it is asked for, so that the lowest wins a tie.
+template <bool kNearest>
+using Found = std::conditional_t<kNearest, Counter, std::uint32_t>;
+
+template <bool kNearest>
+STANDOFF_DEVICE Found<kNearest> found(float distance_sq, std::uint32_t triangle) {
+  if constexpr (kNearest) return Counter{__float_as_uint(distance_sq)} << 32 | triangle;
+  return __float_as_uint(distance_sq);
+}
+/// The bits of its squared distance.
+template <class Best>
+STANDOFF_DEVICE std::uint32_t distance_bits(Best best) {
+  return static_cast<std::uint32_t>(sizeof(Best) == 8 ? Counter{best} >> 32 : Counter{best});
+}
+/// The least value that no band sample has: the float after the rounded square of the thickness. A float above the
+/// rounded square is above the true square too, so its root is no less than the thickness, to which it would be
+/// clamped: such distances need not be kept.
+template <bool kNearest>
+STANDOFF_DEVICE Found<kNearest> nothing_found(const Lattice& l) {
+  return found<kNearest>(__uint_as_float(__float_as_uint(l.thickness_sq) + 1), 0);
+}
+
+/// Lowers the best of a sample, in shared memory. There is no condition in front of 32 bits: a minimum is one
+/// instruction, a branch takes four. 64 bits are lowered by a loop, which is worth a look first.
+template <class Best>
+STANDOFF_DEVICE void lower(Best* best, Best to) {
+  if (sizeof(Best) == 4 || to < load_relaxed(best)) atomicMin(best, to);
+}
+
+/// Words from row to row: one more than a row has, so that rows of a triangle lie in different banks of shared memory.
+inline constexpr int kFoundRow = kTileSide + 1;
+STANDOFF_DEVICE int found_at(int x, int y, int z) { return x + kFoundRow * (y + kTileSide * z); }
+
+// Triangles that are set up.
 
 template <class Setup, class Words>
 STANDOFF_DEVICE void store(const Setup& setup, Words& to) {
@@ -61,259 +141,343 @@ STANDOFF_DEVICE Setup load(const Words& from) {
   return setup;
 }
 
-struct Stage {
-  static constexpr int kTriangles = 128;
-  Staged setup[kTriangles];
-  float slack[kTriangles];  // the error of a distance, for culling
-  std::uint32_t index[kTriangles];
-  unsigned char is_long[kTriangles];
-  float low[3][kTriangles], high[3][kTriangles];  // its box, relative to the brick's centre
+/// A frame takes five loads of 16 bytes. Frames are 20 words apart: loads from neighbouring triangles do not meet in a
+/// bank of shared memory.
+struct alignas(16) StagedFrame {
+  float number[20];
+};
+struct alignas(16) StagedLines {
+  float number[40];
 };
 
-/// The squared distance from p to staged triangle n.
-STANDOFF_DEVICE float staged_distance_sq(const Stage& stage, int n, const Triple<float>& p) {
-  if (stage.is_long[n]) return distance_sq(load<TriangleLines<float>>(stage.setup[n]), p);
-  return distance_sq(load<TriangleFrame<float>>(stage.setup[n]), p);
+/// What every way stages; ways derive their own stage from it.
+struct CommonStage {
+  static constexpr int kShort = 32, kLong = 16;
+  union {
+    StagedFrame frame[kShort];
+    StagedLines lines[kLong];
+  };
+  std::uint32_t triangle[kShort];
+};
+static_assert(sizeof(StagedLines) * CommonStage::kLong <= sizeof(StagedFrame) * CommonStage::kShort);
+
+/// A triangle's corners relative to the brick's centre.
+struct LocalCorners {
+  Triple<double> a, b, c;
+};
+STANDOFF_DEVICE LocalCorners local_corners(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
+                                           const Triple<double>& center) {
+  const Corners corners = corners_of(mesh, triangle);
+  return {local(l, corners.at[0], center), local(l, corners.at[1], center), local(l, corners.at[2], center)};
+}
+STANDOFF_DEVICE BoxOf<float> narrowed_box(const LocalCorners& corners) {
+  return box_of(narrowed(corners.a), narrowed(corners.b), narrowed(corners.c));
 }
 
-/// Sets up a triangle relative to a brick's centre, exactly as the CPU does.
-STANDOFF_DEVICE void set_up(const Lattice& l, const DeviceMesh& mesh, std::uint32_t triangle,
-                            const Triple<double>& center, Stage& stage, int n) {
-  const Corners c = corners_of(mesh, triangle);
-  const Triple<double> a = local(l, c.at[0], center), b = local(l, c.at[1], center), d = local(l, c.at[2], center);
-  Triple<float> fa = narrowed(a), fb = narrowed(b), fd = narrowed(d);
-  BoxOf<float> box = box_of(fa, fb, fd);
-  if (is_speck(l, box)) {
-    fa = fb = fd = middle_of(box);
-    box = box_of(fa, fa, fa);
+// The shared memory of a warp.
+
+/// Of many fields, the one that has the warp's item: a copy of what lies far away in device memory.
+struct StagedField {
+  std::int64_t number;
+  alignas(8) unsigned char bytes[sizeof(PlacedField)];
+};
+struct NoStagedField {};
+
+template <bool kNearest, class Fields, class Stage>
+struct GatherTile {
+  static constexpr bool kWithNearest = kNearest, kMany = Fields::kMany;
+  std::conditional_t<Fields::kMany, StagedField, NoStagedField> staged;
+  WorkItem item;
+  TileView view;
+  Found<kNearest> found[kFoundRow * kTileSide * kTileSide];
+  Stage stage;
+};
+
+/// Copies field `number` to shared memory, if there are many. All lanes take part.
+template <class Tile, class Fields>
+STANDOFF_DEVICE void stage_field(const Fields& fields, Tile& tile) {
+  if constexpr (Fields::kMany) {
+    static_assert(sizeof(PlacedField) % 4 == 0);
+    const auto* const from = reinterpret_cast<const unsigned char*>(fields.all + tile.staged.number);
+    for (unsigned n = 4 * (threadIdx.x % 32); n < sizeof(PlacedField); n += 4 * 32)
+      __builtin_memcpy(tile.staged.bytes + n, from + n, 4);
   }
-  stage.index[n] = triangle;
-  stage.slack[n] = fma(farthest_coordinate(box), kSlackOfCoordinate, kSlack);
-  stage.is_long[n] = is_long(box);
-  stage.low[0][n] = box.low.x, stage.low[1][n] = box.low.y, stage.low[2][n] = box.low.z;
-  stage.high[0][n] = box.high.x, stage.high[1][n] = box.high.y, stage.high[2][n] = box.high.z;
-  if (stage.is_long[n])
-    store(make_lines<float>(make_frame(a, b, d, double{kLeastLengthSq})), stage.setup[n]);
+}
+/// Calls use(lattice, field) with the field of the warp's item: from where it lies, or, if there are many, from shared
+/// memory once it is there.
+//
+// They are handed down, not returned: nvcc 13 copies a kernel's parameters if a function returns references to them,
+// and the gather of thin bands then spills a tenth more.
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_far_field(const typename Fields::Lattices& lattices, const Fields& fields, const Tile& tile,
+                                    Use use) {
+  if constexpr (Fields::kMany)
+    use(fields.all[tile.staged.number].lattice, fields.all[tile.staged.number]);
   else
-    store(make_frame(fa, fb, fd, float{kLeastLengthSq}), stage.setup[n]);
+    use(lattices, fields);
 }
-
-inline constexpr int kGatherThreads = kTileSamples;
-inline constexpr int kWarps = kGatherThreads / 32;
-static_assert(Stage::kTriangles <= kGatherThreads && Stage::kTriangles % 32 == 0);
-
-/// The sample of a tile that a thread holds: a warp has 4x4x2 samples, a tile 2x2x4 warps.
-struct SampleAt {
-  int x, y, z;
-};
-STANDOFF_DEVICE SampleAt sample_of_thread(int thread) {
-  const int warp = thread / 32, lane = thread % 32;
-  return {(warp & 1) * 4 + (lane & 3), (warp >> 1 & 1) * 4 + (lane >> 2 & 3), (warp >> 2) * 2 + (lane >> 4)};
-}
-/// The extent of a warp's samples along each axis, and half their diagonal, rounded up. Grid units.
-struct WarpExtent {
-  float width[3], radius;
-};
-STANDOFF_DEVICE WarpExtent warp_extent(const Lattice& l) {
-  WarpExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
-               0};
-  const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
-  e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
-  return e;
-}
-
-/// The best of a sample so far.
-struct Nearest {
-  float distance_sq;
-  std::uint32_t triangle;
-};
-
-/// Measures from a sample to the staged triangles first + n for all bits n that are set in `left`.
-template <bool kNearest>
-STANDOFF_DEVICE void measure(const Stage& stage, int first, std::uint32_t left, const Triple<float>& sample,
-                             Nearest& best) {
-  for (; left; left &= left - 1) {
-    const int n = first + __ffs(static_cast<int>(left)) - 1;
-    const float d = staged_distance_sq(stage, n, sample);
-    if (kNearest) {
-      const std::uint32_t triangle = stage.index[n];
-      if (d < best.distance_sq || (d == best.distance_sq && triangle < best.triangle)) best.triangle = triangle;
-    }
-    best.distance_sq = min(d, best.distance_sq);
+template <class Fields, class Tile, class Use>
+STANDOFF_DEVICE void with_staged_field(const typename Fields::Lattices& lattices, const Fields& fields,
+                                       const Tile& tile, Use use) {
+  if constexpr (Fields::kMany) {
+    const auto& staged = *reinterpret_cast<const PlacedField*>(tile.staged.bytes);
+    use(staged.lattice, staged);
+  } else {
+    use(lattices, fields);
   }
 }
 
-/// The samples of a warp, and the point of the mesh nearest to their centre so far.
-struct WarpSamples {
-  Triple<float> center;
-  Triple<float> surface;
-  float within;  // bounds the distance of `surface` from the centre; infinite if no point is known
+// Measuring.
+
+/// The steps of a gather. A field takes all of them; a benchmark of single steps leaves some out.
+struct AllSteps {
+  static constexpr bool kSetsUp = true;     // sets up triangles
+  static constexpr bool kFindsRows = true;  // finds the samples to measure from
+  static constexpr bool kMeasures = true;
+  static constexpr bool kWrites = true;
+  /// Whether a number that was found is written, or counted if its step is the last.
+  static STANDOFF_DEVICE bool uses(float) { return true; }
 };
 
-/// Whether triangle n may be nearer than the point `surface` to one of the warp's samples. `least` is a lower bound of
-/// its distance from their centre. (This is the test `bisector` of cell_hierarchy.cuh; the warp's samples are the
-/// child.)
-STANDOFF_DEVICE bool may_be_nearest(const WarpExtent& extent, const Stage& stage, int n, float least,
-                                    const WarpSamples& warp) {
-  const Triple<float>& q = warp.surface;
-  float spread = extent.width[0] * max(stage.high[0][n] - q.x, q.x - stage.low[0][n]);
-  spread = fma(extent.width[1], max(stage.high[1][n] - q.y, q.y - stage.low[1][n]), spread);
-  spread = fma(extent.width[2], max(stage.high[2][n] - q.z, q.z - stage.low[2][n]), spread);
-  const float within = warp.within * (1 + kBisectorSlack);
-  return fma(least, least, -spread) < within * within;
+/// A staged short triangle, for the samples of one row.
+struct RowDistance {
+  TriangleFrame<float> frame;
+  float q, y, z;  // evaluate() of triangle_frame.h, of which only the last step changes along the row
+
+  template <class Tile>
+  STANDOFF_DEVICE RowDistance(const Tile& tile, int triangle, int row, int layer)
+      : frame(load<TriangleFrame<float>>(tile.stage.frame[triangle])) {
+    const float py = tile.view.coordinate[1][row], pz = tile.view.coordinate[2][layer];
+    q = fma(py, frame.q.g.y, fma(pz, frame.q.g.z, frame.q.c));
+    y = fma(py, frame.y.g.y, fma(pz, frame.y.g.z, frame.y.c));
+    z = fma(py, frame.z.g.y, fma(pz, frame.z.g.z, frame.z.c));
+  }
+  STANDOFF_DEVICE float squared(float px) const {
+    return frame_distance_sq(frame, fma(px, frame.q.g.x, q), fma(px, frame.y.g.x, y), fma(px, frame.z.g.x, z));
+  }
+};
+
+/// Stages the first long triangles, up to CommonStage::kLong, and returns their number. All lanes take part; no lane
+/// may still read the stage.
+template <class Stage>
+STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const TileView& view, std::uint32_t triangle,
+                               std::uint32_t is_long, Stage& stage) {
+  const int lane = static_cast<int>(threadIdx.x) % 32, n = __popc(is_long & ((1u << lane) - 1));
+  if ((is_long >> lane & 1) && n < Stage::kLong) {
+    const LocalCorners corners = local_corners(l, mesh, triangle, view.center);
+    stage.bound_long(n, narrowed_box(corners));
+    store(make_lines<float>(make_frame(corners.a, corners.b, corners.c, double{kLeastLengthSq})), stage.lines[n]);
+    stage.triangle[n] = triangle;
+  }
+  const int all = __popc(is_long);
+  __syncwarp();
+  return all < Stage::kLong ? all : Stage::kLong;
 }
 
-/// Updates the warp's nearest point by the 32 staged triangles from `first` on, one per lane: `most` bounds the
-/// distance of the lane's triangle. All lanes take part.
-STANDOFF_DEVICE void find_surface(const Stage& stage, int first, float most, WarpSamples& warp) {
-  float nearest = most;
-  for (int bits = 16; bits > 0; bits /= 2) nearest = min(nearest, __shfl_xor_sync(0xffffffffu, nearest, bits));
-  const std::uint32_t which = __ballot_sync(0xffffffffu, most == nearest);
-  if (!(nearest < warp.within)) return;
-  warp.within = nearest;
-  const int n = first + __ffs(static_cast<int>(which)) - 1;
-  warp.surface = closest_in_frame(load<TriangleFrame<float>>(stage.setup[n]), warp.center);
-}
-
-/// Measures from a warp's samples to the staged triangles that its vote keeps, of `count`. Returns how many were
-/// measured.
-template <bool kNearest>
-STANDOFF_DEVICE int gather_stage(const Lattice& l, const WarpExtent& extent, const Stage& stage, int count,
-                                 const Triple<float>& sample, bool in_grid, float known_within, WarpSamples& warp,
-                                 Nearest& best) {
+/// Measures the staged long triangles. All lanes take part; each returns the number of samples that it measured from.
+template <class Way, class Tile>
+STANDOFF_DEVICE unsigned gather_long(const Lattice& l, int count, Tile& tile) {
+  constexpr bool kNearest = Tile::kWithNearest;
+  constexpr int kAtOnce = 32 / kGroups;  // a lane for each triangle and group
   const int lane = static_cast<int>(threadIdx.x) % 32;
-  int measured = 0;
-  for (int first = 0; first < count; first += 32) {
-    const int mine = first + lane;
-    const bool exists = mine < count;
-    const float d = exists ? sqrt(staged_distance_sq(stage, mine, warp.center)) : 0;
-    const float slack = exists ? stage.slack[mine] : 0;
-    find_surface(stage, first, exists && !stage.is_long[mine] ? d + slack : __builtin_inff(), warp);
-    // Samples past the grid must not keep triangles.
-    const float worst = sqrt(warp_max(in_grid ? best.distance_sq : 0));
-    const float within = min(l.thickness, min(worst, known_within)) * (1 + kSlackRatio) + extent.radius;
-    const float least = max(d - slack, 0.0f);
-    const bool is_near = exists && least <= within && may_be_nearest(extent, stage, mine, least, warp);
-    const std::uint32_t left = __ballot_sync(0xffffffffu, is_near);
-    measured += __popc(left);
-    measure<kNearest>(stage, first, left, sample, best);
+  const float* const x = tile.view.coordinate[0];
+  const float* const y = tile.view.coordinate[1];
+  const float* const z = tile.view.coordinate[2];
+  const typename Way::Group group(l, tile, lane % kGroups);
+  unsigned measured = 0;
+  STANDOFF_ROLLED
+  for (int first = 0; first < count; first += kAtOnce) {
+    const int mine = first + lane / kGroups;
+    const bool is_near =
+        mine < count && group.keeps(tile.stage, mine,
+                                    sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center)) -
+                                        tile.stage.slack[mine]);
+    const std::uint32_t near = __ballot_sync(0xffffffffu, is_near);
+    measured += static_cast<unsigned>(__popc(near));
+    if constexpr (Way::Steps::kMeasures) {
+      STANDOFF_ROLLED
+      for (std::uint32_t left = near; left; left &= left - 1) {
+        const int bit = __ffs(static_cast<int>(left)) - 1, n = first + bit / kGroups;
+        const SampleAt at = group_sample(bit % kGroups, lane);
+        const float d =
+            distance_sq(load<TriangleLines<float>>(tile.stage.lines[n]), Triple<float>{x[at.x], y[at.y], z[at.z]});
+        lower(&tile.found[found_at(at.x, at.y, at.z)], found<kNearest>(d, tile.stage.triangle[n]));
+      }
+    }
   }
   return measured;
 }
 
-/// A tile's finished samples, x fastest, before they are written in rows.
-struct Finished {
-  float value[kTileSamples];
-  std::uint32_t nearest[kTileSamples];
-  unsigned band, measured;  // samples in the band; triangles measured, summed over the warps
-};
+/// Clears the lowest `count` set bits.
+STANDOFF_DEVICE std::uint32_t without_lowest(std::uint32_t bits, int count) {
+  for (int n = 0; n < count; ++n) bits &= bits - 1;
+  return bits;
+}
 
-/// Writes a tile to its slot, or to its place in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_tile(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
-                                const DeviceOutput& output) {
-  const int t = static_cast<int>(threadIdx.x);
-  std::int64_t at;
+/// Measures the triangles of the warp's item. All lanes take part; each returns the number of samples that it measured
+/// from.
+template <class Way, class Tile>
+STANDOFF_DEVICE unsigned gather_item(const Lattice& l, const DeviceMesh& mesh, const Way& way,
+                                     const std::uint32_t* entries, Tile& tile) {
+  using Steps = typename Way::Steps;
+  const std::uint32_t lane = threadIdx.x % 32, count = tile.item.count;
+  const std::uint32_t* const list = entries + tile.item.first;
+  unsigned measured = 0;
+  way.begin(l, mesh, tile);
+  std::uint32_t next = lane < count ? list[lane] : 0;
+  for (std::uint32_t first = 0; first < count; first += 32) {
+    const std::uint32_t triangle = next;
+    if (first + 32 + lane < count) next = list[first + 32 + lane];  // early: it is known when needed
+    if constexpr (Steps::kSetsUp) {
+      std::uint32_t is_long = Way::gather_short(l, mesh, triangle, first + lane < count, tile, measured);
+      __syncwarp();
+      while (is_long != 0) {
+        const int now = stage_long(l, mesh, tile.view, triangle, is_long, tile.stage);
+        if constexpr (Steps::kFindsRows) measured += gather_long<Way>(l, now, tile);
+        __syncwarp();
+        is_long = without_lowest(is_long, now);
+      }
+    } else {
+      measured += Steps::uses(__uint_as_float(triangle));
+    }
+  }
+  return measured;
+}
+
+// Writing.
+
+/// Finishes the tile: clamps the best of each sample, which `at` returns, and writes it. A sparse field does not store
+/// a tile without a band sample. All lanes take part. Returns the number of samples in the band.
+template <bool kNearest, class Steps, class At>
+STANDOFF_DEVICE unsigned finish_tile(const Lattice& l, const std::int64_t* tile, const int* inside,
+                                     const DeviceOutput& output, At at) {
+  // A lane has sample x of the rows y and y + 4 of each layer.
+  const int lane = static_cast<int>(threadIdx.x) % 32, x = lane % 8, y = lane / 8;
+  const auto nothing = nothing_found<kNearest>(l);
+  const auto in_grid = [&](int n) { return x < inside[0] && y + n % 2 * 4 < inside[1] && n / 2 < inside[2]; };
+  const auto best_at = [&](int n) { return in_grid(n) ? at(x, y + n % 2 * 4, n / 2) : nothing; };
+  const std::int64_t row = l.size[0], layer = l.size[0] * l.size[1];
+  std::int64_t first = tile[0] * 8 + x + row * (tile[1] * 8 + y) + layer * (tile[2] * 8);
   if (output.slots) {
-    at = std::int64_t{output.slots[index]} * kTileSamples + t;
-  } else {
-    const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) return;
-    at = view.tile[0] * 8 + x + l.size[0] * (view.tile[1] * 8 + y + l.size[1] * (view.tile[2] * 8 + z));
+    std::int32_t& slot = output.slots[l.tile(tile[0], tile[1], tile[2])];
+    bool any = false;
+    STANDOFF_ROLLED
+    for (int n = 0; n < kTileSamples / 32; ++n) any |= best_at(n) < nothing;
+    if (__ballot_sync(0xffffffffu, any) == 0) {
+      if (lane == 0) slot = -1;
+      return 0;
+    }
+    first = std::int64_t{slot} * kTileSamples + lane;
   }
-  output.values[at] = finished.value[t];
-  if (output.nearest) output.nearest[at] = finished.nearest[t];
+  unsigned band = 0;
+  STANDOFF_ROLLED
+  for (int n = 0; n < kTileSamples / 32; ++n) {
+    const Found<kNearest> best = best_at(n);
+    const bool is_band = best < nothing;
+    band += is_band;
+    const float value =
+        is_band ? min(sqrt(__uint_as_float(distance_bits(best))) * l.unscale, l.thickness_world) : l.thickness_world;
+    if (!(output.slots || in_grid(n)) || !Steps::uses(value)) continue;
+    const std::int64_t to = first + (output.slots ? 32 * n : n % 2 * 4 * row + n / 2 * layer);
+    output.values[to] = value;
+    if (kNearest) output.nearest[to] = is_band ? static_cast<std::uint32_t>(best) : kNoTriangle;
+  }
+  return warp_sum(band);
 }
 
-/// Clamps the samples, stores them in `finished`, and writes the tile. A sparse field does not store a tile without a
-/// band sample. All threads of the block take part.
-STANDOFF_DEVICE void finish_tile(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
-                                 float value, std::uint32_t nearest, bool is_band, Finished& finished,
-                                 const DeviceOutput& output, Outcome* outcome) {
-  const int t = at.x + 8 * at.y + 64 * at.z;
-  finished.value[t] = value;
-  finished.nearest[t] = nearest;
-  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
-  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
-  __syncthreads();
-  if (!output.slots || finished.band != 0) write_tile(l, view, index, finished, output);
-  if (threadIdx.x == 0) {
-    atomicAdd(&outcome->samples_band, Counter{finished.band});
-    atomicAdd(&outcome->samples_examined, Counter{32} * finished.measured);
+/// Merges the results of a part of a list into the results of all parts. All lanes take part.
+template <bool kNearest, class Tile>
+STANDOFF_DEVICE void merge_part(const Lattice& l, const Tile& tile, Found<kNearest>* into) {
+  const auto nothing = nothing_found<kNearest>(l);
+  STANDOFF_ROLLED
+  for (int s = static_cast<int>(threadIdx.x) % 32; s < kTileSamples; s += 32) {
+    const Found<kNearest> best = tile.found[found_at(s % 8, s / 8 % 8, s / 64)];
+    if (best < nothing && best < load_relaxed(into + s)) atomicMin(into + s, best);
   }
-  __syncthreads();
-  if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
 }
 
-/// The lists of all tiles.
-struct GatherLists {
-  const Counter* start;
-  const std::uint32_t* entries;
-  const Counter* nearest_bound;  // per tile, or null: the upper half bounds the distance at the tile's centre
-};
+/// Adds a warp's counts, of the samples that each lane measured and of all samples in the band, to an outcome.
+STANDOFF_DEVICE void add_counts(Outcome* outcome, Counter measured, Counter band) {
+  measured = warp_sum(measured);
+  if (threadIdx.x % 32 != 0) return;
+  if (measured) atomicAdd(&outcome->samples_examined, measured);
+  if (band) atomicAdd(&outcome->samples_band, band);
+}
 
-/// Blocks stride over the tiles.
-template <bool kNearest>
-STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, 2)
-    gather(Lattice l, DeviceMesh mesh, GatherLists lists, DeviceOutput output, Outcome* outcome) {
-  __shared__ Stage stage;
-  __shared__ Finished finished;
-  __shared__ TileView view;
-  __shared__ WarpExtent extent;
-  __shared__ float tile_radius;
-  if (outcome->stopped) return;
-  const int thread = static_cast<int>(threadIdx.x);
-  if (thread == 0) {
-    extent = warp_extent(l);
-    const double half = 3.5 * sqrt(l.unit[0] * l.unit[0] + l.unit[1] * l.unit[1] + l.unit[2] * l.unit[2]);
-    tile_radius = static_cast<float>(half) * (1 + kSlackRatio);
+/// Warps take items until none is left: the first one by their own number, as a counter that all of them ask would hold
+/// up small fields. A tile whose list was cut is finished later, by finish_cut_tiles.
+template <bool kNearest, class Way, class Fields>
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, kBlocks<Fields>)
+    gather(typename Fields::Lattices lattices, Fields fields, Way way, const std::uint32_t* entries, GatherWork work) {
+  using Steps = typename Way::Steps;
+  using Tile = GatherTile<kNearest, Fields, typename Way::Stage>;
+  __shared__ Tile tiles[kGatherWarps];
+  if (fields.total()->stopped) return;
+  const int lane = static_cast<int>(threadIdx.x) % 32;
+  Tile& tile = tiles[threadIdx.x / 32];
+  const Counter items = work.size(), warps = std::uint64_t{gridDim.x} * kGatherWarps;
+  Counter band = 0, measured = 0, next = 0;
+  for (Counter number = std::uint64_t{blockIdx.x} * kGatherWarps + threadIdx.x / 32; number < items;
+       number = __shfl_sync(0xffffffffu, next, 0)) {
+    if (lane == 0) {
+      next = warps + atomicAdd(&work.counts->taken, Counter{1});  // early: it is known when needed
+      tile.item = work.at(number);
+      if constexpr (Fields::kMany) tile.staged.number = fields.unstack(tile.item.tile);
+    }
+    __syncwarp();
+    if (tile.item.count == 0) {
+      with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+        if constexpr (Steps::kWrites) fill_tiles(l, tile.item, field.output);
+      });
+      __syncwarp();
+      continue;
+    }
+    stage_field(fields, tile);
+    with_far_field(lattices, fields, tile, [&](const Lattice& l, const auto&) {
+      view_tile(l, tile.item.tile, lane, tile.view);
+      const auto nothing = nothing_found<kNearest>(l);
+      STANDOFF_ROLLED
+      for (int n = lane; n < kFoundRow * kTileSide * kTileSide; n += 32) tile.found[n] = nothing;
+    });
+    __syncwarp();
+    with_staged_field(lattices, fields, tile, [&](const Lattice& l, const auto& field) {
+      measured += gather_item(l, field.mesh, way, entries, tile);
+      if (tile.item.cut != kWhole)
+        merge_part<kNearest>(
+            l, tile, reinterpret_cast<Found<kNearest>*>(work.found) + std::int64_t{tile.item.cut} * kTileSamples);
+      else
+        band += finish_tile<kNearest, Steps>(l, tile.item.tile, tile.view.inside, field.output,
+                                             [&](int x, int y, int z) { return tile.found[found_at(x, y, z)]; });
+      if constexpr (Fields::kMany) {
+        add_counts(field.outcome, measured, band);
+        measured = band = 0;
+      }
+    });
+    __syncwarp();
   }
-  const SampleAt at = sample_of_thread(thread);
-  const std::int64_t tiles = l.tile_count();
-  for (std::int64_t index = blockIdx.x; index < tiles; index += gridDim.x) {
-    if (output.slots && output.slots[index] < 0) continue;
-    view_tile(l, index, view);
-    if (thread == 0) finished.band = finished.measured = 0;
-    __syncthreads();
-    const float* const x = view.coordinate[0];
-    const float* const y = view.coordinate[1];
-    const float* const z = view.coordinate[2];
-    const Triple<float> sample{x[at.x], y[at.y], z[at.z]};
-    const int wx = at.x & 4, wy = at.y & 4, wz = at.z & 6;
-    WarpSamples warp{
-        {(x[wx] + x[wx + 3]) / 2, (y[wy] + y[wy + 3]) / 2, (z[wz] + z[wz + 1]) / 2}, {0, 0, 0}, __builtin_inff()};
-    const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
+  if constexpr (!Fields::kMany) add_counts(fields.total(), measured, band);
+}
 
-    // Bound the distance of all samples of the tile from the mesh.
-    float known_within = l.thickness;
-    std::uint32_t nearest_center = kNoTriangle;
-    if (lists.nearest_bound) {
-      const Counter nearest_bound = lists.nearest_bound[index];
-      const float bound = __uint_as_float(static_cast<std::uint32_t>(nearest_bound >> 32));
-      nearest_center = static_cast<std::uint32_t>(nearest_bound);
-      known_within = min(known_within, bound + tile_radius);
-    }
-
-    Nearest best{__builtin_inff(), kNoTriangle};
-    int measured = 0;
-    const Counter begin = lists.start[index], listed = lists.start[index + 1] - begin;
-    // Begin with the triangle nearest to the tile's centre, which is also in the list: so warps know a near point of
-    // the mesh from the start. Measuring it twice changes nothing.
-    const Counter extra = nearest_center != kNoTriangle && listed > 0, all = listed + extra;
-    for (Counter first = 0; first < all; first += Stage::kTriangles) {
-      const int count = all - first < Stage::kTriangles ? static_cast<int>(all - first) : Stage::kTriangles;
-      // The warps take turns in setting up.
-      const int n = (thread + static_cast<int>(first % kGatherThreads)) % kGatherThreads;
-      const Counter mine = first + static_cast<Counter>(n);
-      __syncthreads();  // the last stage has been read
-      if (n < count)
-        set_up(l, mesh, mine < extra ? nearest_center : lists.entries[begin + mine - extra], view.center, stage, n);
-      __syncthreads();
-      measured += gather_stage<kNearest>(l, extent, stage, count, sample, in_grid, known_within, warp, best);
-    }
-    if (thread % 32 == 0) atomicAdd(&finished.measured, static_cast<unsigned>(measured));
-    const bool in_band = in_grid && !(l.thickness_sq < best.distance_sq);
-    const float value = in_grid ? min(sqrt(best.distance_sq) * l.unscale, l.thickness_world) : l.thickness_world;
-    finish_tile(l, view, index, at, value, in_band ? best.triangle : kNoTriangle, in_band, finished, output, outcome);
+/// Finishes the tiles whose lists were cut; warps stride over them.
+template <bool kNearest, class Steps, class Fields>
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads)
+    finish_cut_tiles(typename Fields::Lattices lattices, Fields fields, GatherWork work) {
+  __shared__ Found<kNearest> staged[kGatherWarps][kTileSamples];
+  if (fields.total()->stopped) return;
+  const int warp = static_cast<int>(threadIdx.x) / 32;
+  for (Counter n = blockIdx.x * kGatherWarps + threadIdx.x / 32; n < work.counts->cut; n += gridDim.x * kGatherWarps) {
+    const auto* const from = reinterpret_cast<const Found<kNearest>*>(work.found) + n * kTileSamples;
+    for (int s = static_cast<int>(threadIdx.x) % 32; s < kTileSamples; s += 32) staged[warp][s] = from[s];
+    __syncwarp();
+    std::int64_t tile[3];
+    const std::int64_t number = find_tile(fields, work.cut_tiles[n], tile);
+    const Lattice& l = fields.lattice(lattices, number);
+    const auto& field = fields.field(number);
+    const int within[3] = {inside<kTileSide>(l, tile, 0), inside<kTileSide>(l, tile, 1), inside<kTileSide>(l, tile, 2)};
+    const unsigned band = finish_tile<kNearest, Steps>(
+        l, tile, within, field.output, [&](int x, int y, int z) { return staged[warp][x + 8 * y + 64 * z]; });
+    add_counts(field.outcome, 0, band);
+    __syncwarp();
   }
 }
 

@@ -17,7 +17,8 @@
 #include "field/cuda/bin.cuh"
 #include "field/cuda/capacity.h"
 #include "field/cuda/cell_hierarchy.cuh"
-#include "field/cuda/gather_band.cuh"
+#include "field/cuda/gather_groups.cuh"
+#include "field/cuda/gather_rows.cuh"
 #include "field/prepare.h"
 #include "gpu/devices.h"
 
@@ -69,13 +70,45 @@ inline std::int64_t tile_blocks(const Lattice& l) {
 
 class CountedRun;
 
-inline void launch_gather(const Lattice& l, const Task& task, const GatherLists& lists, Stream stream) {
-  // Dense: launch a block per tile, as some take far longer than others. Sparse: most tiles may be empty, so blocks
-  // stride over them.
-  const std::int64_t tiles = l.tile_count(), blocks = task.output.slots || tiles > 0x7fffffff ? tile_blocks(l) : tiles;
-  launch(stream, "gather", task.output.nearest ? gather<true> : gather<false>, blocks, kGatherThreads, l, task.mesh,
-         lists, task.output, task.outcome);
-}
+/// From the tiles' lists to the field.
+struct TileGather {
+  GatherWork work;
+  std::int64_t most_cut;
+
+  TileGather(gpu::Workspace& memory, std::int64_t tiles) : most_cut(std::min(tiles, kMostCut)) {
+    // The item that fills a group stands for its empty tiles, of which there is one.
+    work.capacity = tiles + kMostParts;
+    work.items = memory.take<WorkItem>(work.capacity);
+    work.cut_tiles = memory.take<std::int64_t>(most_cut);
+    work.found = memory.take<Counter>(most_cut * kTileSamples);
+    work.counts = memory.take<WorkCounts>(1);
+  }
+
+  /// `fills`: also tiles without triangles.
+  template <bool kNearest, class Way, class Fields>
+  void run(const typename Fields::Lattices& lattices, const Fields& fields, const Way& way, const TileLists& lists,
+           bool fills, Stream stream) const {
+    fill_bytes(stream, work.counts, 0, sizeof *work.counts);
+    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields, lists,
+           work);
+    fill_bytes(stream, work.found, 0xff, most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
+    launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
+           work, fills);
+    launch(stream, "gather", gather<kNearest, Way, Fields>, kManyBlocks * 2, kGatherThreads, lattices, fields, way,
+           lists.entries, work);
+    launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, typename Way::Steps, Fields>,
+           std::min<std::int64_t>(most_cut, kManyBlocks), kGatherThreads, lattices, fields, work);
+  }
+  /// The same for one field, with nearest triangles where its output has them.
+  template <class Way>
+  void run(const Lattice& l, const Task& task, const Way& way, const TileLists& lists, Stream stream) const {
+    const OneField field(l, task);
+    if (task.output.nearest)
+      run<true>(l, field, way, lists, !task.output.slots, stream);
+    else
+      run<false>(l, field, way, lists, !task.output.slots, stream);
+  }
+};
 
 /// Thin bands, of one field or of many (field_set.cuh): triangles are counted in the tiles that they reach, then listed
 /// there.
@@ -83,10 +116,10 @@ struct BandLists {
   static constexpr std::int64_t kBytesPerEntry = 4;
   TileLists lists;
   LongList long_ones;
-  BandWork work;
-  std::int64_t most_cut;
+  TileGather gather;
 
-  BandLists(gpu::Workspace& memory, std::int64_t triangles, std::int64_t tiles, std::int64_t entries) {
+  BandLists(gpu::Workspace& memory, std::int64_t triangles, std::int64_t tiles, std::int64_t entries)
+      : gather(memory, tiles) {
     lists.counts = memory.take<std::uint32_t>(tiles + 1);
     lists.start = memory.take<Counter>(tiles + 1);
     lists.entries = memory.take<std::uint32_t>(entries);
@@ -94,13 +127,6 @@ struct BandLists {
     long_ones.numbers = memory.take<std::uint32_t>(triangles);
     long_ones.capacity = triangles;
     long_ones.count = memory.take<Counter>(2);
-    work.capacity =
-        tiles + kMostParts;  // the item that fills a group stands for its empty tiles, of which there is one
-    work.items = memory.take<WorkItem>(work.capacity);
-    most_cut = std::min(tiles, kMostCut);
-    work.cut_tiles = memory.take<std::int64_t>(most_cut);
-    work.found = memory.take<Counter>(most_cut * kTileSamples);
-    work.counts = memory.take<WorkCounts>(1);
   }
 
   void clear(Outcome* outcome, Stream stream) const {
@@ -119,22 +145,12 @@ struct BandLists {
     launch(stream, "check room", check_entries, 1, 1, lists.start + all, lists.capacity, fields.total());
   }
 
-  /// Second half: writes the lists, and the fields from them. `fills`: also tiles without triangles.
-  template <class Steps, bool kNearest, class Fields>
-  void fill_all(const typename Fields::Lattices& lattices, const Fields& fields, bool fills, Stream stream) const {
+  /// Second half: writes the lists.
+  template <class Fields>
+  void list_triangles(const typename Fields::Lattices& lattices, const Fields& fields, Stream stream) const {
     const std::int64_t per_triangle = triangle_blocks(fields);
     launch(stream, "list small", bin_small<true, Fields>, per_triangle, kThreads, lattices, fields, lists, long_ones);
     launch(stream, "list long", bin_long<true, Fields>, kManyBlocks, kThreads, lattices, fields, lists, long_ones);
-    fill_bytes(stream, work.counts, 0, sizeof *work.counts);
-    launch(stream, "check lists", check_lists<Fields>, blocks_for(tile_count_of(fields)), kThreads, fields, lists,
-           work);
-    fill_bytes(stream, work.found, 0xff, most_cut * kTileSamples * static_cast<std::int64_t>(sizeof(Counter)));
-    launch(stream, "list work", list_work<Fields>, blocks_for(32 * tile_groups(fields)), kThreads, fields, lists.start,
-           work, fills);
-    launch(stream, "gather band", gather_band<kNearest, Steps, Fields>, kManyBlocks * 2, kBandThreads, lattices, fields,
-           lists.entries, work);
-    launch(stream, "finish cut tiles", finish_cut_tiles<kNearest, Steps, Fields>,
-           std::min<std::int64_t>(most_cut, kManyBlocks), kBandThreads, lattices, fields, work);
   }
 
  private:
@@ -161,11 +177,8 @@ struct ThinBand : BandLists {
   /// Second half: writes the lists, and the field from them.
   template <class Steps = AllSteps>
   void fill(const Lattice& l, const Task& task, Stream stream) const {
-    const OneField field(l, task);
-    if (task.output.nearest)
-      fill_all<Steps, true>(l, field, !task.output.slots, stream);
-    else
-      fill_all<Steps, false>(l, field, !task.output.slots, stream);
+    list_triangles(l, OneField(l, task), stream);
+    gather.run(l, task, ByRows<Steps>{}, lists, stream);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
@@ -186,10 +199,16 @@ struct ThickBand {
   unsigned char* keep;
   Counter* bound;
   Counter* chunk_start;
+  TileGather gather;
+  TriangleBoxes boxes;
   Counter capacity;  // of each half of `entries`, and of `keep`
 
-  ThickBand(gpu::Workspace& memory, std::int64_t, const Lattice& l, std::int64_t most)
-      : tiles(memory, l.tile_count()), capacity(static_cast<Counter>(most)) {
+  ThickBand(gpu::Workspace& memory, std::int64_t triangles, const Lattice& l, std::int64_t most)
+      : tiles(memory, l.tile_count()),
+        gather(memory, l.tile_count()),
+        boxes(boxes_of(l)),
+        capacity(static_cast<Counter>(most)) {
+    boxes.all = memory.take<TriangleBox>(triangles);
     const std::int64_t cells = l.tile_count() + 1;  // no level has more cells
     counts = memory.take<std::uint32_t>(cells);
     for (auto& one : start) one = memory.take<Counter>(cells > 2 ? cells : 2);
@@ -203,6 +222,7 @@ struct ThickBand {
   Step step_to(const Lattice& l, int child_level, int half) const {
     return {level_of(l, child_level + 1),
             level_of(l, child_level),
+            boxes,
             start[half],
             entries[half],
             chunk_start,
@@ -214,10 +234,11 @@ struct ThickBand {
   }
 
   /// Writes the list of the root, the whole grid, to half 0.
-  void begin(const Task& task, Stream stream) const {
+  void begin(const Lattice& l, const Task& task, Stream stream) const {
     launch(stream, "clear", clear_outcome, 1, 1, task.outcome, static_cast<Counter*>(nullptr), 0);
-    launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, task.mesh, entries[0], start[0],
-           task.outcome);
+    launch(stream, "list all", list_all, blocks_for(task.mesh.used_count()), kThreads, l, task.mesh, boxes,
+           top_level(l) == 0, entries[0], start[0], task.outcome);
+    fill_bytes(stream, counts, 0, sizeof *counts);  // if there is no level below the root
   }
 
   /// First half of a level: decides which children keep which candidates, and counts them. Writes no list.
@@ -236,16 +257,17 @@ struct ThickBand {
 
   /// Second half of a level: writes the children's lists.
   static void fill_level(const Lattice& l, const Task& task, const Step& step, Stream stream) {
-    launch(stream, "hand down", hand_down, kManyBlocks, kStepThreads, l, step, task.outcome);
+    launch(stream, "hand down", hand_down, kManyBlocks, kStepThreads, l, task.mesh, step, task.outcome);
   }
 
   /// Computes the field from the tiles' lists in half `half`.
   void gather_tiles(const Lattice& l, const Task& task, int half, Stream stream) const {
-    launch_gather(l, task, {start[half], entries[half], top_level(l) > 0 ? bound : nullptr}, stream);
+    gather.run(l, task, ByGroups{top_level(l) > 0 ? bound : nullptr}, {counts, start[half], entries[half], capacity},
+               stream);
   }
 
   void enqueue(const Lattice& l, const Task& task, Stream stream) const {
-    begin(task, stream);
+    begin(l, task, stream);
     int half = 0;
     for (int number = top_level(l); number > 0; --number, half = 1 - half) {
       const Step step = step_to(l, number - 1, half);

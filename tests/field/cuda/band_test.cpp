@@ -43,7 +43,7 @@ struct Listed {
   Lattice lattice = make_lattice({{317, 24, 16}, {0, 0, 0}, {1, 1, 1}}, 1);
   OneField field{lattice, {{}, {}, 0, Method::tiles, {}, &outcome}};
   WorkCounts counts{};
-  BandWork work{};
+  GatherWork work{};
 
   Listed(const std::vector<Counter>& lengths, bool fills) : start(lengths.size() + 1) {
     std::partial_sum(lengths.begin(), lengths.end(), start.begin() + 1);
@@ -101,7 +101,7 @@ TEST(CudaBand, EveryEntryAndEveryEmptyTileIsInOneItem) {
 
 TEST(CudaBand, PartsAreLongerWhereTooManyListsWouldBeCut) {
   WorkCounts counts{};
-  const BandWork work{nullptr, 0, nullptr, nullptr, &counts};
+  const GatherWork work{nullptr, 0, nullptr, nullptr, &counts};
   const Counter entries = 100 * kMostParts - 5;
   EXPECT_EQ(work.part(7), kLeastPart);
   EXPECT_EQ(work.part(entries), 100u);

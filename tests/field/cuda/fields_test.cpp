@@ -2,6 +2,7 @@
 // The GPU's kernels, emulated: the same bits as the CPU backend, in every order in which threads may take turns.
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string>
 
 #include "gpu/emulation/block.h"
@@ -93,6 +94,33 @@ TEST(CudaFields, AMeshFarSmallerThanASample) {
   append(mesh, testing::random_soup(55, 2, 6, 0.7));
   expect_same(Method::tiles, mesh, kCudaGrid, kInfinity);
   expect_same(Method::tiles, mesh, kCudaGrid, 1.7);
+}
+
+// Triangles that are nearest far from the middles of their boxes, in lists of more than a warp takes at once.
+TEST(CudaFields, NeedlesAcrossSeveralTiles) {
+  std::mt19937 random(57);
+  std::uniform_real_distribution<double> at(-6, 6), along(2, 7), across(-0.2, 0.2);
+  Mesh mesh;
+  for (int n = 0; n < 240; ++n) {
+    const Vec3 from{at(random), at(random), at(random)};
+    Vec3 to = from + Vec3{across(random), across(random), across(random)};
+    to[n % 3] += along(random);
+    testing::add_triangle(mesh, from, to, to + Vec3{across(random), across(random), across(random)});
+  }
+  for (const double thickness : {2.6, kInfinity}) expect_same(Method::tiles, mesh, kCudaGrid, thickness);
+}
+
+// The middle of a triangle's box is at the centre of a tile, but the triangle is not: the triangle that is nearest to the
+// tile's far corner is farther away than if it were.
+TEST(CudaFields, TheMiddleOfABoxIsNoPointOfTheTriangle) {
+  const Grid grid{{16, 16, 16}, {0, 0, 0}, {1, 1, 1}};
+  const Vec3 center{3.5, 3.5, 3.5};
+  Mesh mesh;
+  testing::add_triangle(mesh, center + 5.2 * Vec3{1, -1, -1}, center + 5.2 * Vec3{-1, 1, -1},
+                        center + 5.2 * Vec3{-1, -1, 1});
+  const Vec3 far = center + 7.8 * Vec3{1, 1, 1};
+  testing::add_triangle(mesh, far, far + Vec3{0.1, 0, 0}, far + Vec3{0, 0.1, 0});
+  expect_same(Method::tiles, mesh, grid, kInfinity);
 }
 
 TEST(CudaFields, OneTriangleOnOneSample) {

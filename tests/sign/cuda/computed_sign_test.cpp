@@ -309,13 +309,13 @@ struct DeviceMemory {
 };
 
 // The least memory of the device in which a field without a sign fits.
-std::int64_t least_memory(const Mesh& mesh, const Grid& grid) {
+std::int64_t least_memory(const Mesh& mesh, const Grid& grid, double thickness) {
   std::int64_t little = 0, enough = std::int64_t{1} << 30;
   while (enough - little > 256) {
     const std::int64_t middle = (little + enough) / 2;
     emulated::memory_total = middle;
     try {
-      compute(mesh, grid, kInfinity, on(testing::kEmulated, {.method = SignMethod::none}));
+      compute(mesh, grid, thickness, on(testing::kEmulated, {.method = SignMethod::none}));
       enough = middle;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::limit);
@@ -329,16 +329,18 @@ std::int64_t least_memory(const Mesh& mesh, const Grid& grid) {
 TEST(ComputedSign, WithoutRoomOnTheDeviceTheHostSigns) {
   const DeviceMemory total;
   const Mesh solid = box({-3, -3, -3}, {12, 9, 25});
-  emulated::memory_total = least_memory(solid, kCutGrid);
-  EXPECT_EQ(signed_on_device(solid, kCutGrid, kInfinity), 0);
-  expect_as_on_cpu(solid, kCutGrid, kInfinity, on(testing::kEmulated));
+  // The sign's bytes, one for each sample, are more than what the field needed beside its values.
+  const Grid large{{320, 320, 320}, {-5, -5, -5}, {1, 0.9, 1.1}};
+  emulated::memory_total = least_memory(solid, large, 1.1);
+  EXPECT_EQ(signed_on_device(solid, large, 1.1), 0);
+  expect_as_on_cpu(solid, large, 1.1, on(testing::kEmulated));
   emulated::memory_total = total.usual;
-  EXPECT_EQ(signed_on_device(solid, kCutGrid, kInfinity), kCutGrid.sample_count());
+  EXPECT_EQ(signed_on_device(solid, large, 1.1), large.sample_count());
   // Many triangles are about equally near: the lists that are no longer needed make room.
   const Mesh ball = sphere(16);
   const Grid middle{{16, 16, 16}, {-0.08, -0.08, -0.08}, {0.01, 0.01, 0.01}};
   const SignOptions sign{.as_oriented = true};
-  emulated::memory_total = least_memory(ball, middle);
+  emulated::memory_total = least_memory(ball, middle, kInfinity);
   EXPECT_EQ(signed_on_device(ball, middle, kInfinity, sign), middle.sample_count());
   expect_as_on_cpu(ball, middle, kInfinity, on(testing::kEmulated, sign));
 }
