@@ -42,6 +42,8 @@ def last_lines(path, count):
 
 
 PEER_COLUMNS = "job,triangles,query,grid,thickness,median_ms,least_ms,runs,tree_ms,largest_difference,peer"
+# tests/gpu_check/peer_NAME.py, the module that it needs, and the package that brings that.
+PYTHON_PEERS = (("warp", "warp", "warp-lang"), ("physicsnemo", "physicsnemo", "nvidia-physicsnemo"))
 
 
 class Steps:
@@ -174,10 +176,13 @@ class Steps:
     def peers(self):
         """Others at the same jobs: each that is here adds its rows to peer.csv."""
         programs = {}
-        if subprocess.run(["python3", "-c", "import warp"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
-            print("python3 has no module warp (pip install warp-lang brings it): skipped")
-        else:
-            programs["warp"] = ["python3", ROOT / "tests/gpu_check/peer_warp.py"]
+        for name, module, package in PYTHON_PEERS:
+            # Found, not imported: PhysicsNeMo takes seconds to.
+            look = f"import importlib.util, sys; sys.exit(importlib.util.find_spec({module!r}) is None)"
+            if subprocess.run(["python3", "-c", look], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
+                print(f"python3 has no module {module} (pip install {package} brings it): skipped")
+            else:
+                programs[name] = ["python3", ROOT / f"tests/gpu_check/peer_{name}.py"]
         if (self.build / "peer_nanovdb").exists():
             programs["nanovdb"] = [self.build / "peer_nanovdb"]
         else:

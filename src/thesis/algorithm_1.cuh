@@ -125,8 +125,8 @@ struct Finished {
 };
 
 /// Writes a tile to its slot, or to its place in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_finished(const Lattice& l, const TileView& view, std::int64_t index, const Finished& finished,
-                                const DeviceOutput& output) {
+STANDOFF_DEVICE void write_finished(const Lattice& l, const TileView& view, std::int64_t index,
+                                    const Finished& finished, const DeviceOutput& output) {
   const int t = static_cast<int>(threadIdx.x);
   std::int64_t at;
   if (output.slots) {
@@ -143,8 +143,8 @@ STANDOFF_DEVICE void write_finished(const Lattice& l, const TileView& view, std:
 /// Clamps the samples, stores them in `finished`, and writes the tile. A sparse field does not store a tile without a
 /// band sample. All threads of the block take part.
 STANDOFF_DEVICE void finish_samples(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
-                                 float value, std::uint32_t nearest, bool is_band, Finished& finished,
-                                 const DeviceOutput& output, Outcome* outcome) {
+                                    float value, std::uint32_t nearest, bool is_band, Finished& finished,
+                                    const DeviceOutput& output, Outcome* outcome) {
   const int t = at.x + 8 * at.y + 64 * at.z;
   finished.value[t] = value;
   finished.nearest[t] = nearest;
@@ -183,8 +183,8 @@ STANDOFF_KERNEL void __launch_bounds__(kTileThreads)
       triangle = static_cast<std::uint32_t>(found);
     }
     const bool in_band = triangle != kNoTriangle && value <= l.thickness_world;
-    finish_samples(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band, finished,
-                output, outcome);
+    finish_samples(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band,
+                   finished, output, outcome);
   }
 }
 

@@ -41,6 +41,11 @@ if python3 -c 'import warp' 2>/dev/null; then
 else
   grep -q 'no module warp .*: skipped' log || fail "nothing is said of the peer that is not there"
 fi
+if python3 -c 'import importlib.util as u, sys; sys.exit(u.find_spec("physicsnemo") is None)'; then
+  [[ $(grep -c ',signed_distance_field,' results/peer.csv) == 4 ]] || fail "peer.csv lacks jobs of PhysicsNeMo"
+else
+  grep -q 'no module physicsnemo .*: skipped' log || fail "nothing is said of PhysicsNeMo, which is not there"
+fi
 grep -q 'no NanoVDB with MeshToGrid .*: skipped' log || fail "nothing is said of the other peer that is not there"
 python3 -B "$STANDOFF_SOURCE_DIR/bench/gpu_tables.py" results >tables.md || fail "no tables"
 for title in Goals "Figure 1.1" "Table 5.1" "Table 5.2" "Table 5.3" "Table 5.4: where" "Table 5.5"; do

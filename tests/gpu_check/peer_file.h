@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh, a grid and our field in a file, for peers that do the same job (peer_warp.py reads it).
+// A mesh, a grid and our field in a file, for peers that do the same job (peer_jobs.py reads it).
 #pragma once
 
 #include <cstdio>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // peer_nanovdb [--once] FILE.bin...: NanoVDB's MeshToGrid at the jobs that `measure --export` wrote (peer_file.h): from
 // a mesh in device memory to a sparse grid of unsigned distances there, the median of some runs by CUDA events. A CSV
-// line for each job, as peer_warp.py prints: how far NanoVDB's distances are from ours at most, and how many of our
+// line for each job, as peer_jobs.py prints: how far NanoVDB's distances are from ours at most, and how many of our
 // samples in the band it lacks. Jobs without a thickness, or whose spacings differ, are left out with a line on stderr.
 #include <algorithm>
 #include <cmath>

@@ -7,16 +7,12 @@ its CPU, to try this). The tree is built before; how long that takes stands apar
 how far Warp's distances are from ours at most.
 """
 
-import os
-import statistics
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
+import peer_jobs
 import warp as wp
-
-LEAST_RUNS, MOST_RUNS, ENOUGH_MS = 3, 20, 3000
 
 
 @wp.func
@@ -51,23 +47,6 @@ TREES = {"": {}, " cubql": {"bvh_constructor": "cubql"}}
 QUERIES = {"mesh_query_point_no_sign": query_unsigned, "mesh_query_point": query_signed}
 
 
-def read(path):
-    """What peer_file.h wrote."""
-    data, at = path.read_bytes(), 0
-
-    def take(kind, count):
-        nonlocal at
-        array = np.frombuffer(data, kind, count, at)
-        at += array.nbytes
-        return array
-
-    vertices, triangles, *size = (int(n) for n in take("<i8", 5))
-    origin, spacing, thickness = take("<f8", 3), take("<f8", 3), float(take("<f8", 1)[0])
-    return {"size": size, "origin": origin, "spacing": spacing, "thickness": thickness,
-            "vertices": take("<f8", 3 * vertices).reshape(-1, 3), "triangles": take("<u4", 3 * triangles),
-            "values": take("<f4", size[0] * size[1] * size[2])}
-
-
 def milliseconds(launch, on_gpu):
     """How long one launch takes."""
     if not on_gpu:
@@ -81,8 +60,7 @@ def milliseconds(launch, on_gpu):
     return wp.get_event_elapsed_time(start, end)
 
 
-def measure(path, once, csv):
-    job = read(path)
+def measure(job, once, csv):
     points = wp.array(job["vertices"].astype(np.float32), dtype=wp.vec3)
     indices = wp.array(job["triangles"].astype(np.int32), dtype=wp.int32)
     for tree, options in TREES.items():
@@ -93,12 +71,12 @@ def measure(path, once, csv):
         except Exception as error:  # an older Warp, or one built without cuBQL
             if not options:
                 raise
-            print(f"{path.stem}: Warp makes no tree by{tree}: {error}", file=sys.stderr)
+            print(f"{job['name']}: Warp makes no tree by{tree}: {error}", file=sys.stderr)
             continue
-        measure_queries(path, job, mesh, tree, 1e3 * (time.perf_counter() - began), once, csv)
+        measure_queries(job, mesh, tree, 1e3 * (time.perf_counter() - began), once, csv)
 
 
-def measure_queries(path, job, mesh, tree, build_ms, once, csv):
+def measure_queries(job, mesh, tree, build_ms, once, csv):
     nx, ny, nz = job["size"]
     thickness = min(job["thickness"], 1e30)
     on_gpu = wp.get_preferred_device().is_cuda
@@ -107,26 +85,10 @@ def measure_queries(path, job, mesh, tree, build_ms, once, csv):
     for name, kernel in QUERIES.items():
         def launch(kernel=kernel):
             wp.launch(kernel, dim=nx * ny * nz, inputs=inputs, outputs=[values])
-        launch()
-        wp.synchronize()
-        runs = []
-        while len(runs) < (1 if once else LEAST_RUNS) or (not once and len(runs) < MOST_RUNS and sum(runs) < ENOUGH_MS):
-            runs.append(milliseconds(launch, on_gpu))
-        off = float(np.max(np.abs(values.numpy() - np.minimum(job["values"], np.float32(thickness)))))
-        print(f"{path.stem},{len(job['triangles']) // 3},{name}{tree},{nx}x{ny}x{nz},{job['thickness']:g},"
-              f"{statistics.median(runs):.4f},{min(runs):.4f},{len(runs)},{build_ms:.1f},{off:.6g},"
-              f"warp {wp.config.version} on {wp.get_preferred_device()}", file=csv, flush=True)
-
-
-def main():
-    csv = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # Warp talks on stdout, which is ours
-    wp.init()
-    once = "--once" in sys.argv
-    for path in sys.argv[1:]:
-        if path != "--once":
-            measure(Path(path), once, csv)
+        runs = peer_jobs.repeated(lambda launch=launch: milliseconds(launch, on_gpu), once)
+        peer = f"warp {wp.config.version} on {wp.get_preferred_device()}"
+        peer_jobs.print_row(csv, job, f"{name}{tree}", runs, f"{build_ms:.1f}", values.numpy(), peer)
 
 
 if __name__ == "__main__":
-    main()
+    peer_jobs.main(measure)

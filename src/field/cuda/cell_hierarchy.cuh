@@ -227,21 +227,21 @@ STANDOFF_DEVICE float slack_of(const TriangleBox& box, const Step& step) {
 struct Candidate {
   CenteredBox box;
   float slack;
-  bool is_small;
-  TriangleFrame<float> frame;  // unless it is small
+  bool by_box;                 // it is known by its box
+  TriangleFrame<float> frame;  // if not
 
   STANDOFF_DEVICE Candidate(const Lattice& l, const DeviceMesh& mesh, const Step& step, std::uint32_t number,
                             const Chunk& chunk) {
     const TriangleBox known = step.boxes.all[number];
     box = {known.middle - chunk.from_grid, known.half};
     slack = slack_of(known, step);
-    is_small = STANDOFF_PLATFORM::is_small(known, chunk);
-    if (!is_small) frame = frame_of(l, mesh, number, chunk);
+    by_box = is_small(known, chunk);
+    if (!by_box) frame = frame_of(l, mesh, number, chunk);
   }
   /// The squared distance of p from the middle of the box, or from the triangle.
   STANDOFF_DEVICE float distance_sq_to(const Triple<float>& p) const {
     const Triple<float> from = p - box.middle;
-    return is_small ? dot(from, from) : distance_sq(frame, p);
+    return by_box ? dot(from, from) : distance_sq(frame, p);
   }
 };
 
@@ -250,13 +250,12 @@ STANDOFF_DEVICE bool may_be_nearest(const Candidate& c, const Child& child) {
   // The candidate is no nearer to the child's centre than `least`, or for a box `least / distance`, where `distance` is
   // that of its middle: so nothing is divided, and no root is taken.
   float least, distance_sq_or_1;
-  if (c.is_small) {
-    // A box is no nearer than its nearest corner along the line through its middle. The slack takes slack * distance off,
-    // which is at most slack * (distance^2 / typical + typical) / 2.
+  if (c.by_box) {
+    // A box is no nearer than its nearest corner along the line through its middle. The slack takes slack * distance
+    // off, which is at most slack * (distance^2 / typical + typical) / 2.
     const Triple<float> from = child.center - c.box.middle;
     const float squared = dot(from, from), by_slack = fma(squared, child.half_inverse, child.half_typical);
-    const float in_box =
-        fma(abs(from.x), c.box.half.x, fma(abs(from.y), c.box.half.y, abs(from.z) * c.box.half.z));
+    const float in_box = fma(abs(from.x), c.box.half.x, fma(abs(from.y), c.box.half.y, abs(from.z) * c.box.half.z));
     least = fma(-c.slack, by_slack, squared - in_box);
     distance_sq_or_1 = squared;
   } else {
@@ -264,8 +263,7 @@ STANDOFF_DEVICE bool may_be_nearest(const Candidate& c, const Child& child) {
     distance_sq_or_1 = 1;
   }
   least = max(least, 0.0f);
-  return least * least <=
-         min(child.reach_sq, bisector_sq(child.width, c.box, child.surface)) * distance_sq_or_1;
+  return least * least <= min(child.reach_sq, bisector_sq(child.width, c.box, child.surface)) * distance_sq_or_1;
 }
 
 /// Lowers the least distance of a child by those of a warp's lanes. All lanes take part.
@@ -288,8 +286,7 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads, kStepBlocks)
       const std::uint32_t triangle = step.parent_entries[entry < chunk.end ? entry : chunk.first];
       const Candidate c(l, mesh, step, triangle, chunk);
       for (int n = 0; n < 8; ++n)
-        if (chunk.child[n].index >= 0)
-          lower_least(c.distance_sq_to(chunk.child[n].center), triangle, chunk.least[n]);
+        if (chunk.child[n].index >= 0) lower_least(c.distance_sq_to(chunk.child[n].center), triangle, chunk.least[n]);
     }
     __syncthreads();
     if (t < 8 && chunk.child[t].index >= 0) {
@@ -340,8 +337,7 @@ STANDOFF_KERNEL void __launch_bounds__(kStepThreads, kStepBlocks)
   const Counter chunks = step.chunk_start[step.parent.count()];
   for (Counter number = blockIdx.x; number < chunks; number += gridDim.x) {
     begin_chunk(l, step, number, chunk);
-    if (t < 8 && chunk.child[t].index >= 0)
-      bound_by_closest_point(l, mesh, step, chunk, chunk.child[t]);
+    if (t < 8 && chunk.child[t].index >= 0) bound_by_closest_point(l, mesh, step, chunk, chunk.child[t]);
     __syncthreads();
     for (Counter first = chunk.first; first < chunk.end; first += kStepThreads) {
       const Counter entry = first + static_cast<Counter>(t);

@@ -22,9 +22,7 @@ STANDOFF_DEVICE float distance_slack(float farthest) { return fma(farthest, kSla
 struct CenteredBox {
   Triple<float> middle, half;
 };
-STANDOFF_DEVICE CenteredBox centered(const BoxOf<float>& box) {
-  return {middle_of(box), (box.high - box.low) * 0.5f};
-}
+STANDOFF_DEVICE CenteredBox centered(const BoxOf<float>& box) { return {middle_of(box), (box.high - box.low) * 0.5f}; }
 
 /// A point of the mesh near the centre of a cell.
 struct NearSurface {

@@ -6,8 +6,8 @@
 // tile lies there too, and is lowered by atomic minima, as several lanes may reach the same sample: so the order of
 // triangles changes no bit.
 //
-// A short triangle is set up as a frame in float, a long one as linear functions in double (tolerances.h). Which samples
-// a short one is measured from is found in one of two ways:
+// A short triangle is set up as a frame in float, a long one as linear functions in double (tolerances.h). Which
+// samples a short one is measured from is found in one of two ways:
 //   ByRows     thin bands: in the rows of samples that its box, grown by the thickness, reaches (gather_rows.cuh)
 //   ByGroups   thick bands and full fields: in the groups of 4x4x2 samples where it may be the nearest triangle
 //              (gather_groups.cuh)
@@ -29,8 +29,8 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One thin band gains more by
-// registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for
+// Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One thin band gains more
+// by registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for
 // eight.
 inline constexpr int kGatherThreads = 128, kGatherWarps = kGatherThreads / 32;
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
@@ -289,9 +289,10 @@ STANDOFF_DEVICE unsigned gather_long(const Lattice& l, int count, Tile& tile) {
   for (int first = 0; first < count; first += kAtOnce) {
     const int mine = first + lane / kGroups;
     const bool is_near =
-        mine < count && group.keeps(tile.stage, mine,
-                                    sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center)) -
-                                        tile.stage.slack[mine]);
+        mine < count &&
+        group.keeps(tile.stage, mine,
+                    sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center)) -
+                        tile.stage.slack[mine]);
     const std::uint32_t near = __ballot_sync(0xffffffffu, is_near);
     measured += static_cast<unsigned>(__popc(near));
     if constexpr (Way::Steps::kMeasures) {

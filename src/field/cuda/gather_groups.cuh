@@ -51,8 +51,8 @@ STANDOFF_DEVICE bool may_be_nearest(const GroupExtent& extent, const CenteredBox
   return least <= group.reach && least * least < bisector_sq(extent.width, box, group.surface);
 }
 
-/// Lowers `reach` to what is known by now: the best of the group's samples, and the nearest point of the mesh. Two lanes
-/// for each group; all take part.
+/// Lowers `reach` to what is known by now: the best of the group's samples, and the nearest point of the mesh. Two
+/// lanes for each group; all take part.
 template <class Tile>
 STANDOFF_DEVICE void update_reach(const Lattice& l, Tile& tile) {
   const int lane = static_cast<int>(threadIdx.x) % 32;
@@ -81,16 +81,12 @@ STANDOFF_DEVICE void update_reach(const Lattice& l, Tile& tile) {
 STANDOFF_DEVICE void find_surface(const TriangleFrame<float>& frame, float most, GroupState& group) {
   const std::uint32_t bits = __float_as_uint(most), least = warp_min(bits);  // ascend alike: none is negative
   if (!(__uint_as_float(least) < group.surface.within)) return;
+  __syncwarp();  // all lanes have read it
   const std::uint32_t nearest = __ballot_sync(0xffffffffu, bits == least);
-  if (static_cast<int>(threadIdx.x) % 32 == __ffs(static_cast<int>(nearest)) - 1) {
+  if (static_cast<int>(threadIdx.x) % 32 == __ffs(static_cast<int>(nearest)) - 1)
     group.surface = {closest_in_frame(frame, group.center), most};
-  }
   __syncwarp();
 }
-
-struct alignas(16) FourOfRow {
-  float x[4];
-};
 
 /// Measures the queued pairs. All lanes take part; each returns the number of samples that it measured from.
 template <class Tile>
@@ -107,9 +103,9 @@ STANDOFF_DEVICE unsigned measure_pairs(int queued, Tile& tile) {
     const int triangle = pair % CommonStage::kShort;
     const SampleAt at = group_sample(pair / CommonStage::kShort, 4 * row);
     const RowDistance distance(tile, triangle, at.y, at.z);
-    const auto px = load<FourOfRow>(*reinterpret_cast<const FourOfRow*>(tile.view.coordinate[0] + at.x));
-    float squared[4];
-    for (int x = 0; x < 4; ++x) squared[x] = distance.squared(px.x[x]);
+    float px[4], squared[4];
+    __builtin_memcpy(px, __builtin_assume_aligned(tile.view.coordinate[0] + at.x, sizeof px), sizeof px);
+    for (int x = 0; x < 4; ++x) squared[x] = distance.squared(px[x]);
     for (int x = 0; x < 4; ++x)
       lower(&tile.found[found_at(at.x + x, at.y, at.z)],
             found<Tile::kWithNearest>(squared[x], Tile::kWithNearest ? tile.stage.triangle[triangle] : 0));
@@ -139,7 +135,8 @@ struct ByGroups {
       known_within = min(known_within, bound + static_cast<float>(half) * (1 + kSlackRatio));
       const std::uint32_t triangle = used_triangle(mesh, static_cast<std::uint32_t>(nearest));
       const LocalCorners corners = local_corners(l, mesh, triangle, view.center);
-      const auto frame = make_frame(narrowed(corners.a), narrowed(corners.b), narrowed(corners.c), float{kLeastLengthSq});
+      const auto frame =
+          make_frame(narrowed(corners.a), narrowed(corners.b), narrowed(corners.c), float{kLeastLengthSq});
       group.surface = {
           closest_in_frame(frame, group.center),
           sqrt(distance_sq(frame, group.center)) + distance_slack(farthest_coordinate(narrowed_box(corners)))};
@@ -150,12 +147,11 @@ struct ByGroups {
       tile.stage.known_within = known_within;
     }
     // Samples past the grid must not keep triangles.
-    if (view.inside[0] < kTileSide || view.inside[1] < kTileSide || view.inside[2] < kTileSide)
-      STANDOFF_ROLLED
-      for (int n = lane; n < kTileSamples; n += 32) {
-        const int x = n % 8, y = n / 8 % 8, z = n / 64;
-        if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) tile.found[found_at(x, y, z)] = 0;
-      }
+    if (view.inside[0] < kTileSide || view.inside[1] < kTileSide || view.inside[2] < kTileSide) STANDOFF_ROLLED
+    for (int n = lane; n < kTileSamples; n += 32) {
+      const int x = n % 8, y = n / 8 % 8, z = n / 64;
+      if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) tile.found[found_at(x, y, z)] = 0;
+    }
     __syncwarp();
   }
 
@@ -199,10 +195,10 @@ struct ByGroups {
       GroupState& group = tile.stage.group[n];
       const float distance = sqrt(distance_sq(frame, group.center));
       find_surface(frame, is_short ? distance + slack : __builtin_inff(), group);
-      const bool keeps =
-          is_short && may_be_nearest(tile.stage.extent, box, max(distance - slack, 0.0f), group);
+      const bool keeps = is_short && may_be_nearest(tile.stage.extent, box, max(distance - slack, 0.0f), group);
       const std::uint32_t kept = __ballot_sync(0xffffffffu, keeps);
-      if (keeps) tile.stage.pair[queued + __popc(kept & ((1u << lane) - 1))] = static_cast<Pair>(n * CommonStage::kShort + lane);
+      if (keeps)
+        tile.stage.pair[queued + __popc(kept & ((1u << lane) - 1))] = static_cast<Pair>(n * CommonStage::kShort + lane);
       queued += __popc(kept);
     }
     return __ballot_sync(0xffffffffu, is_long_one);

@@ -33,7 +33,9 @@ struct RowStage : CommonStage {
   StagedRows rows[kShort];
   float slack[kLong];
 
-  STANDOFF_DEVICE void bound_long(int n, const BoxOf<float>& box) { slack[n] = distance_slack(farthest_coordinate(box)); }
+  STANDOFF_DEVICE void bound_long(int n, const BoxOf<float>& box) {
+    slack[n] = distance_slack(farthest_coordinate(box));
+  }
 };
 
 /// The first sample at or above `low` along an axis, and the number of samples up to `high`, which may be negative. The
@@ -169,8 +171,7 @@ struct ByRows {
 
     template <class Tile>
     STANDOFF_DEVICE Group(const Lattice& l, const Tile& tile, int group)
-        : center(group_center(tile.view, group)),
-          within(l.thickness * (1 + kSlackRatio) + group_extent(l).radius) {}
+        : center(group_center(tile.view, group)), within(l.thickness * (1 + kSlackRatio) + group_extent(l).radius) {}
     /// `least`: no more than the triangle's distance from the centre.
     STANDOFF_DEVICE bool keeps(const Stage&, int, float least) const { return least <= within; }
   };

@@ -110,8 +110,8 @@ TEST(CudaFields, NeedlesAcrossSeveralTiles) {
   for (const double thickness : {2.6, kInfinity}) expect_same(Method::tiles, mesh, kCudaGrid, thickness);
 }
 
-// The middle of a triangle's box is at the centre of a tile, but the triangle is not: the triangle that is nearest to the
-// tile's far corner is farther away than if it were.
+// The middle of a triangle's box is at the centre of a tile, but the triangle is not: the triangle that is nearest to
+// the tile's far corner is farther away than if it were.
 TEST(CudaFields, TheMiddleOfABoxIsNoPointOfTheTriangle) {
   const Grid grid{{16, 16, 16}, {0, 0, 0}, {1, 1, 1}};
   const Vec3 center{3.5, 3.5, 3.5};
