@@ -161,6 +161,11 @@ struct CommonStage {
 };
 static_assert(sizeof(StagedLines) * CommonStage::kLong <= sizeof(StagedFrame) * CommonStage::kShort);
 
+/// A pair of a staged long triangle and a group where it is near. Stages have `long_pair`, room for all of them.
+using LongPair = std::uint8_t;
+inline constexpr int kLongPairs = CommonStage::kLong * kGroups;
+static_assert(kLongPairs == 256);
+
 /// A triangle's corners relative to the brick's centre.
 struct LocalCorners {
   Triple<double> a, b, c;
@@ -257,6 +262,47 @@ struct RowDistance {
   }
 };
 
+/// A staged long triangle, for the samples of one row.
+struct LongRowDistance {
+  TriangleLines<float> lines;
+  LineReadings<float> at_zero;  // without the last step of evaluate()
+
+  template <class Tile>
+  STANDOFF_DEVICE LongRowDistance(const Tile& tile, int triangle, int row, int layer)
+      : lines(load<TriangleLines<float>>(tile.stage.lines[triangle])) {
+    const float py = tile.view.coordinate[1][row], pz = tile.view.coordinate[2][layer];
+    const auto reading = [&](const Triple<float>& g, float c) { return fma(py, g.y, fma(pz, g.z, c)); };
+    const auto &left = lines.left, &right = lines.right;
+    at_zero = {
+        reading(lines.q.g, lines.q.c),       reading(lines.y.g, lines.y.c),           reading(lines.z.g, lines.z.c),
+        reading(left.past.g, left.past.c),   reading(left.across.g, left.across.c),   reading(left.along.g, 0),
+        reading(right.past.g, right.past.c), reading(right.across.g, right.across.c), reading(right.along.g, 0)};
+  }
+  STANDOFF_DEVICE float squared(float px) const {
+    const auto &left = lines.left, &right = lines.right;
+    return lines_distance_sq(
+        lines, LineReadings<float>{
+                   fma(px, lines.q.g.x, at_zero.q), fma(px, lines.y.g.x, at_zero.y), fma(px, lines.z.g.x, at_zero.z),
+                   fma(px, left.past.g.x, at_zero.past_left), fma(px, left.across.g.x, at_zero.across_left),
+                   fma(px, left.along.g.x, at_zero.along_left), fma(px, right.past.g.x, at_zero.past_right),
+                   fma(px, right.across.g.x, at_zero.across_right), fma(px, right.along.g.x, at_zero.along_right)});
+  }
+};
+
+/// Measures from the four samples of row `n` of a group to staged triangle `triangle`.
+template <class Distance, class Tile>
+STANDOFF_DEVICE void lower_four(Tile& tile, int triangle, int group, int n) {
+  constexpr bool kNearest = Tile::kWithNearest;
+  const SampleAt at = group_sample(group, 4 * n);
+  const Distance distance(tile, triangle, at.y, at.z);
+  float px[4], squared[4];
+  __builtin_memcpy(px, __builtin_assume_aligned(tile.view.coordinate[0] + at.x, sizeof px), sizeof px);
+  for (int x = 0; x < 4; ++x) squared[x] = distance.squared(px[x]);
+  for (int x = 0; x < 4; ++x)
+    lower(&tile.found[found_at(at.x + x, at.y, at.z)],
+          found<kNearest>(squared[x], kNearest ? tile.stage.triangle[triangle] : 0));
+}
+
 /// Stages the first long triangles, up to CommonStage::kLong, and returns their number. All lanes take part; no lane
 /// may still read the stage.
 template <class Stage>
@@ -274,37 +320,38 @@ STANDOFF_DEVICE int stage_long(const Lattice& l, const DeviceMesh& mesh, const T
   return all < Stage::kLong ? all : Stage::kLong;
 }
 
-/// Measures the staged long triangles. All lanes take part; each returns the number of samples that it measured from.
+/// Measures the staged long triangles in the groups where they are near. All lanes take part; each returns the number
+/// of samples that it measured from.
 template <class Way, class Tile>
 STANDOFF_DEVICE unsigned gather_long(const Lattice& l, int count, Tile& tile) {
-  constexpr bool kNearest = Tile::kWithNearest;
   constexpr int kAtOnce = 32 / kGroups;  // a lane for each triangle and group
   const int lane = static_cast<int>(threadIdx.x) % 32;
-  const float* const x = tile.view.coordinate[0];
-  const float* const y = tile.view.coordinate[1];
-  const float* const z = tile.view.coordinate[2];
   const typename Way::Group group(l, tile, lane % kGroups);
-  unsigned measured = 0;
+  int queued = 0;
   STANDOFF_ROLLED
   for (int first = 0; first < count; first += kAtOnce) {
     const int mine = first + lane / kGroups;
-    const bool is_near =
-        mine < count &&
-        group.keeps(tile.stage, mine,
-                    sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center)) -
-                        tile.stage.slack[mine]);
+    const auto distance = [&] {
+      return sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center));
+    };
+    const bool is_near = mine < count && group.keeps(tile.stage, mine, distance() - tile.stage.slack[mine]);
     const std::uint32_t near = __ballot_sync(0xffffffffu, is_near);
-    measured += static_cast<unsigned>(__popc(near));
-    if constexpr (Way::Steps::kMeasures) {
-      STANDOFF_ROLLED
-      for (std::uint32_t left = near; left; left &= left - 1) {
-        const int bit = __ffs(static_cast<int>(left)) - 1, n = first + bit / kGroups;
-        const SampleAt at = group_sample(bit % kGroups, lane);
-        const float d =
-            distance_sq(load<TriangleLines<float>>(tile.stage.lines[n]), Triple<float>{x[at.x], y[at.y], z[at.z]});
-        lower(&tile.found[found_at(at.x, at.y, at.z)], found<kNearest>(d, tile.stage.triangle[n]));
-      }
+    if (is_near)
+      tile.stage.long_pair[queued + __popc(near & ((1u << lane) - 1))] =
+          static_cast<LongPair>(mine * kGroups + lane % kGroups);
+    queued += __popc(near);
+  }
+  __syncwarp();
+  unsigned measured = 0;
+  if constexpr (Way::Steps::kMeasures) {
+    STANDOFF_ROLLED
+    for (int n = lane / 8; n < queued; n += 4) {
+      const int pair = tile.stage.long_pair[n];
+      lower_four<LongRowDistance>(tile, pair / kGroups, pair % kGroups, lane % 8);
+      measured += 4;
     }
+  } else {
+    measured = static_cast<unsigned>(queued);
   }
   return measured;
 }

@@ -35,6 +35,7 @@ struct GroupStage : CommonStage {
     struct {
       float slack[kLong];
       LongBox box[kLong];
+      LongPair long_pair[kLongPairs];
     };
   };
 
@@ -91,7 +92,7 @@ STANDOFF_DEVICE void find_surface(const TriangleFrame<float>& frame, float most,
 /// Measures the queued pairs. All lanes take part; each returns the number of samples that it measured from.
 template <class Tile>
 STANDOFF_DEVICE unsigned measure_pairs(int queued, Tile& tile) {
-  const int lane = static_cast<int>(threadIdx.x) % 32, row = lane % 8;
+  const int lane = static_cast<int>(threadIdx.x) % 32;
   // Four pairs at once, a quarter of the queue apart: neighbours in the queue have the same group, whose samples can be
   // lowered only one after the other.
   const int quarter = (queued + 3) / 4, first = lane / 8 * quarter;
@@ -100,15 +101,7 @@ STANDOFF_DEVICE unsigned measure_pairs(int queued, Tile& tile) {
   STANDOFF_ROLLED
   for (int n = first; n < end; ++n) {
     const int pair = tile.stage.pair[n];
-    const int triangle = pair % CommonStage::kShort;
-    const SampleAt at = group_sample(pair / CommonStage::kShort, 4 * row);
-    const RowDistance distance(tile, triangle, at.y, at.z);
-    float px[4], squared[4];
-    __builtin_memcpy(px, __builtin_assume_aligned(tile.view.coordinate[0] + at.x, sizeof px), sizeof px);
-    for (int x = 0; x < 4; ++x) squared[x] = distance.squared(px[x]);
-    for (int x = 0; x < 4; ++x)
-      lower(&tile.found[found_at(at.x + x, at.y, at.z)],
-            found<Tile::kWithNearest>(squared[x], Tile::kWithNearest ? tile.stage.triangle[triangle] : 0));
+    lower_four<RowDistance>(tile, pair % CommonStage::kShort, pair / CommonStage::kShort, lane % 8);
     measured += 4;
   }
   return measured;

@@ -30,7 +30,10 @@ STANDOFF_DEVICE StagedRows packed(const SampleBox& box, unsigned number) {
 }
 
 struct RowStage : CommonStage {
-  StagedRows rows[kShort];
+  union {  // of short triangles, then of long ones
+    StagedRows rows[kShort];
+    LongPair long_pair[kLongPairs];
+  };
   float slack[kLong];
 
   STANDOFF_DEVICE void bound_long(int n, const BoxOf<float>& box) {
