@@ -117,7 +117,7 @@ STANDOFF_KERNEL void list_all(Lattice l, DeviceMesh mesh, TriangleBoxes boxes, b
   if (n >= mesh.used_count()) return;
   const std::uint32_t triangle = used_triangle(mesh, n);
   entries[n] = is_tile ? triangle : static_cast<std::uint32_t>(n);
-  if (!is_valid(mesh, triangle, outcome)) return;
+  if (!is_valid(mesh, triangle, outcome) || is_tile) return;
   const Corners c = corners_of(mesh, triangle);
   const Triple<double>& center = boxes.grid_center;
   const Triple<float> at[3] = {narrowed(local(l, c.at[0], center)), narrowed(local(l, c.at[1], center)),
@@ -155,7 +155,7 @@ struct alignas(16) Child {
   Triple<float> center;
   float reach_sq;  // candidates farther from the centre are not the nearest of any sample
   NearSurface surface;
-  float width[3], radius;
+  CellExtent extent;
   float half_typical, half_inverse;  // half of a distance that candidates typically have, and half of its inverse
   std::int64_t index;                // -1 if the grid ends before it
 };
@@ -165,17 +165,17 @@ struct Chunk {
   Counter first, end;  // entries
   Triple<double> center;
   Triple<float> from_grid;  // the centre, relative to the grid's
-  float extent;             // the parent's largest coordinate
   Child child[8];
   Counter least[8];  // bits of a squared distance << 32 | number of the triangle
   unsigned counts[8];
   Counter base[8];
 };
 
-/// Begins a chunk; all threads of the block take part. It needs no barrier first: other threads than the first eight
-/// may still read `base` of the chunk before, but this does not write `base`.
+/// Begins a chunk; all threads of the block take part. After the last barrier of the chunk before, only the first warp
+/// may have read the chunk.
 STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
+  if (t < 32) __syncwarp();
   const std::int64_t parent = t < 32 ? warp_find(step.chunk_start, step.parent.count(), number) : 0;
   if (t < 8) {
     const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
@@ -187,7 +187,6 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
       chunk.end = chunk.first + kChunk < end ? chunk.first + kChunk : end;
       chunk.center = whole.center;
       chunk.from_grid = narrowed(whole.center - step.boxes.grid_center);
-      chunk.extent = max(whole.half[0], max(whole.half[1], whole.half[2]));
     }
     const std::int64_t of_child[3] = {2 * at[0] + (t & 1), 2 * at[1] + (t >> 1 & 1), 2 * at[2] + (t >> 2)};
     Child& child = chunk.child[t];
@@ -196,8 +195,8 @@ STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter num
       const CellBox cell = cell_at(l, step.child, of_child);
       child.index = of_child[0] + step.child.cells[0] * (of_child[1] + step.child.cells[1] * of_child[2]);
       child.center = narrowed(cell.center - whole.center);
-      for (int axis = 0; axis < 3; ++axis) child.width[axis] = 2 * cell.half[axis];
-      child.radius = cell.radius;
+      for (int axis = 0; axis < 3; ++axis) child.extent.width[axis] = 2 * cell.half[axis];
+      child.extent.radius = cell.radius;
     }
     chunk.least[t] = ~Counter{0};
     chunk.counts[t] = 0;
@@ -215,7 +214,7 @@ STANDOFF_DEVICE TriangleFrame<float> frame_of(const Lattice& l, const DeviceMesh
 
 /// Whether a triangle is known by its box. If so, it is not farther than the box's middle and `off`.
 STANDOFF_DEVICE bool is_small(const TriangleBox& box, const Chunk& chunk) {
-  return box.largest <= kBoxShare * chunk.child[0].radius;
+  return box.largest <= kBoxShare * chunk.child[0].extent.radius;
 }
 /// The error of a triangle's distances from the grid's cells.
 STANDOFF_DEVICE float slack_of(const TriangleBox& box, const Step& step) {
@@ -263,7 +262,8 @@ STANDOFF_DEVICE bool may_be_nearest(const Candidate& c, const Child& child) {
     distance_sq_or_1 = 1;
   }
   least = max(least, 0.0f);
-  return least * least <= min(child.reach_sq, bisector_sq(child.width, c.box, child.surface)) * distance_sq_or_1;
+  return least * least <=
+         min(child.reach_sq, bisector_sq(child.extent, c.box, c.slack, child.surface)) * distance_sq_or_1;
 }
 
 /// Lowers the least distance of a child by those of a warp's lanes. All lanes take part.
@@ -312,9 +312,9 @@ STANDOFF_DEVICE void bound_by_closest_point(const Lattice& l, const DeviceMesh& 
   atomicMin(&bound, Counter{__float_as_uint(within)} << 32 | nearest);
   child.surface = {closest_in_frame(frame, child.center), within};
   const float reach =
-      min(within + 2 * child.radius * (1 + kSlackRatio), l.thickness * (1 + kSlackRatio) + child.radius);
+      min(within + 2 * child.extent.radius * (1 + kSlackRatio), l.thickness * (1 + kSlackRatio) + child.extent.radius);
   child.reach_sq = reach * reach * (1 + kBisectorSlack);
-  child.half_typical = (within + child.radius) / 2;
+  child.half_typical = (within + child.extent.radius) / 2;
   child.half_inverse = 0.25f / child.half_typical;
 }
 

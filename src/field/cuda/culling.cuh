@@ -30,14 +30,22 @@ struct NearSurface {
   float within;  // bounds its distance from the centre; infinite if no point is known
 };
 
+/// A cell: its width along each axis, and half its diagonal.
+struct CellExtent {
+  float width[3], radius;
+};
+
 /// The test `bisector` (docs/cuda.md): a triangle in a box whose distance from the centre of a cell is no less than the
-/// root of this is nowhere nearer than that point to a sample of the cell, which is `width` wide along each axis.
-STANDOFF_DEVICE float bisector_sq(const float* width, const CenteredBox& box, const NearSurface& surface) {
+/// root of this is nowhere nearer than that point to a sample of the cell. `slack` bounds the error of distances.
+STANDOFF_DEVICE float bisector_sq(const CellExtent& cell, const CenteredBox& box, float slack,
+                                  const NearSurface& surface) {
   const Triple<float> from = surface.point - box.middle;
   const float within = surface.within * (1 + kBisectorSlack);
-  float sum = fma(width[0], abs(from.x) + box.half.x, within * within);
-  sum = fma(width[1], abs(from.y) + box.half.y, sum);
-  return fma(width[2], abs(from.z) + box.half.z, sum);
+  // A sample is up to a radius farther from both than the centre is, so errors are that much larger in squares there.
+  float sum = fma(4 * slack, cell.radius, within * within);
+  sum = fma(cell.width[0], abs(from.x) + box.half.x, sum);
+  sum = fma(cell.width[1], abs(from.y) + box.half.y, sum);
+  return fma(cell.width[2], abs(from.z) + box.half.z, sum);
 }
 
 }  // namespace standoff::STANDOFF_PLATFORM

@@ -13,10 +13,10 @@
 //              (gather_groups.cuh)
 // A long triangle is measured in groups either way. A way W has
 //   W::Steps                        the steps that it takes: AllSteps, but for benchmarks
-//   W::Stage                        what a warp has set up
+//   W::Stage                        what a warp has set up: a CommonStage with `slack`, `long_pair` and bound_long()
 //   way.begin(l, mesh, tile)        begins an item
-//   W::gather_short(...)            sets up to 32 triangles up and measures the short ones
-//   W::Group                        decides whether a long triangle is measured in a group
+//   W::gather_short(...)            sets up 32 triangles at most, and measures the short ones
+//   W::Group                        a group of samples, whose keeps() decides whether a long triangle is measured there
 #pragma once
 
 #include "field/cuda/bin.cuh"
@@ -28,17 +28,29 @@
 
 namespace standoff::STANDOFF_PLATFORM {
 
-// Eight blocks to a multiprocessor leave 64 registers, nine 56, so that numbers are spilled. One thin band gains more
-// by registers (a twentieth, on an H200), many small ones by warps (a fortieth). Compute capability 7.5 has room for
-// eight.
 inline constexpr int kGatherThreads = 128, kGatherWarps = kGatherThreads / 32;
-#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
-inline constexpr int kBlocksOfMany = 8;
+
+/// Bytes of shared memory of a multiprocessor, of which each block takes kSharedOfBlock beside its own.
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 900
+inline constexpr int kSharedBytes = 228 << 10, kMostBlocks = 16;
+#elif __CUDA_ARCH__ == 800 || __CUDA_ARCH__ == 870
+inline constexpr int kSharedBytes = 164 << 10, kMostBlocks = 16;
+#elif __CUDA_ARCH__ >= 800
+inline constexpr int kSharedBytes = 100 << 10, kMostBlocks = 12;
 #else
-inline constexpr int kBlocksOfMany = 9;
+inline constexpr int kSharedBytes = 64 << 10, kMostBlocks = 8;
 #endif
-template <class Fields>
-inline constexpr int kBlocks = Fields::kMany ? kBlocksOfMany : 8;
+inline constexpr int kSharedOfBlock = 1 << 10;
+/// Blocks to a multiprocessor, which bounds the registers: as many as there is shared memory for, but not so many that
+/// too few registers are left. Eight leave 64, nine 56, so that numbers are spilled. One thin band gains more by
+/// registers (a twentieth, on an H200), many small ones by warps (a fortieth).
+template <class Tile>
+constexpr int gather_blocks() {
+  constexpr int kWanted = Tile::kMany ? 9 : 8,
+                kFit = kSharedBytes / (int{sizeof(Tile)} * kGatherWarps + kSharedOfBlock);
+  constexpr int kLess = kFit < kWanted ? kFit : kWanted;
+  return kLess < 1 ? 1 : kLess < kMostBlocks ? kLess : kMostBlocks;
+}
 
 // Measuring.
 
@@ -260,10 +272,13 @@ STANDOFF_DEVICE void add_counts(Outcome* outcome, Counter measured, Counter band
   if (band) atomicAdd(&outcome->samples_band, band);
 }
 
+template <bool kNearest, class Way, class Fields>
+inline constexpr int kGatherBlocks = gather_blocks<GatherTile<kNearest, Fields, typename Way::Stage>>();
+
 /// Warps take items until none is left: the first one by their own number, as a counter that all of them ask would hold
 /// up small fields. A tile whose list was cut is finished later, by finish_cut_tiles.
 template <bool kNearest, class Way, class Fields>
-STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, kBlocks<Fields>)
+STANDOFF_KERNEL void __launch_bounds__(kGatherThreads, kGatherBlocks<kNearest, Way, Fields>)
     gather(typename Fields::Lattices lattices, Fields fields, Way way, const std::uint32_t* entries, GatherWork work) {
   using Steps = typename Way::Steps;
   using Tile = GatherTile<kNearest, Fields, typename Way::Stage>;

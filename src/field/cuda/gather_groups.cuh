@@ -28,7 +28,7 @@ struct GroupStage : CommonStage {
     float number[6];
   };
   GroupState group[kGroups];
-  GroupExtent extent;
+  alignas(16) CellExtent extent;
   float known_within;  // bounds the distance of all samples of the tile from the mesh
   union {              // short triangles, then long ones
     Pair pair[kPairs];
@@ -46,10 +46,10 @@ struct GroupStage : CommonStage {
 };
 
 /// Whether a triangle in a box may be nearest to a sample of the group. `least` is a lower bound of its distance from
-/// their centre.
-STANDOFF_DEVICE bool may_be_nearest(const GroupExtent& extent, const CenteredBox& box, float least,
+/// their centre, `slack` the error of that.
+STANDOFF_DEVICE bool may_be_nearest(const CellExtent& extent, const CenteredBox& box, float least, float slack,
                                     const GroupState& group) {
-  return least <= group.reach && least * least < bisector_sq(extent.width, box, group.surface);
+  return least <= group.reach && least * least < bisector_sq(extent, box, slack, group.surface);
 }
 
 /// Lowers `reach` to what is known by now: the best of the group's samples, and the nearest point of the mesh. Two
@@ -163,18 +163,22 @@ struct ByGroups {
       const LocalCorners corners = local_corners(l, mesh, triangle, tile.view.center);
       Triple<float> a = narrowed(corners.a), b = narrowed(corners.b), c = narrowed(corners.c);
       BoxOf<float> around = box_of(a, b, c);
-      is_long_one = is_long(around);
       if (is_speck(l, around)) {
         a = b = c = middle_of(around);
         around = box_of(a, a, a);
       }
+      is_long_one = is_long(around);
       box = centered(around);
       slack = distance_slack(farthest_coordinate(around));
-      frame = make_frame(a, b, c, float{kLeastLengthSq});
-      if (!is_long_one) store(frame, tile.stage.frame[lane]);
-      tile.stage.triangle[lane] = triangle;
+      if (!is_long_one) {
+        frame = make_frame(a, b, c, float{kLeastLengthSq});
+        store(frame, tile.stage.frame[lane]);
+        tile.stage.triangle[lane] = triangle;
+      }
     }
     const bool is_short = has_one && !is_long_one;
+    const std::uint32_t long_ones = __ballot_sync(0xffffffffu, is_long_one);
+    if (__ballot_sync(0xffffffffu, is_short) == 0) return long_ones;
     int queued = 0;
     STANDOFF_ROLLED
     for (int n = 0;; ++n) {
@@ -188,27 +192,27 @@ struct ByGroups {
       GroupState& group = tile.stage.group[n];
       const float distance = sqrt(distance_sq(frame, group.center));
       find_surface(frame, is_short ? distance + slack : __builtin_inff(), group);
-      const bool keeps = is_short && may_be_nearest(tile.stage.extent, box, max(distance - slack, 0.0f), group);
+      const bool keeps = is_short && may_be_nearest(tile.stage.extent, box, max(distance - slack, 0.0f), slack, group);
       const std::uint32_t kept = __ballot_sync(0xffffffffu, keeps);
       if (keeps)
         tile.stage.pair[queued + __popc(kept & ((1u << lane) - 1))] = static_cast<Pair>(n * CommonStage::kShort + lane);
       queued += __popc(kept);
     }
-    return __ballot_sync(0xffffffffu, is_long_one);
+    return long_ones;
   }
 
   /// A group of samples, to which a long triangle may be nearest.
   struct Group {
     Triple<float> center;
     const GroupState& state;
-    const GroupExtent& extent;
+    const CellExtent& extent;
 
     template <class Tile>
     STANDOFF_DEVICE Group(const Lattice&, const Tile& tile, int group)
         : center(tile.stage.group[group].center), state(tile.stage.group[group]), extent(tile.stage.extent) {}
-    /// `least`: no more than the triangle's distance from the centre.
+    /// `least`: no more than the distance of staged triangle n from the centre.
     STANDOFF_DEVICE bool keeps(const Stage& stage, int n, float least) const {
-      return may_be_nearest(extent, load<CenteredBox>(stage.box[n]), max(least, 0.0f), state);
+      return may_be_nearest(extent, load<CenteredBox>(stage.box[n]), max(least, 0.0f), stage.slack[n], state);
     }
   };
 };

@@ -175,7 +175,7 @@ struct ByRows {
     template <class Tile>
     STANDOFF_DEVICE Group(const Lattice& l, const Tile& tile, int group)
         : center(group_center(tile.view, group)), within(l.thickness * (1 + kSlackRatio) + group_extent(l).radius) {}
-    /// `least`: no more than the triangle's distance from the centre.
+    /// `least`: no more than the distance of a staged triangle from the centre.
     STANDOFF_DEVICE bool keeps(const Stage&, int, float least) const { return least <= within; }
   };
 };

@@ -5,6 +5,7 @@
 
 #include <type_traits>
 
+#include "field/cuda/culling.cuh"
 #include "field/cuda/field_set.cuh"
 #include "field/cuda/gather_work.cuh"
 #include "geometry/triangle_frame.h"
@@ -52,13 +53,10 @@ STANDOFF_DEVICE Triple<float> group_center(const TileView& view, int group) {
   const float* const z = view.coordinate[2] + at.z;
   return {(x[0] + x[3]) / 2, (y[0] + y[3]) / 2, (z[0] + z[1]) / 2};
 }
-/// The extent of a group's samples along each axis, and half their diagonal, rounded up. Grid units.
-struct alignas(16) GroupExtent {
-  float width[3], radius;
-};
-STANDOFF_DEVICE GroupExtent group_extent(const Lattice& l) {
-  GroupExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
-                0};
+/// The extent of a group's samples, rounded up. Grid units.
+STANDOFF_DEVICE CellExtent group_extent(const Lattice& l) {
+  CellExtent e{{static_cast<float>(3 * l.unit[0]), static_cast<float>(3 * l.unit[1]), static_cast<float>(l.unit[2])},
+               0};
   const float x = e.width[0] / 2, y = e.width[1] / 2, z = e.width[2] / 2;
   e.radius = sqrt(x * x + y * y + z * z) * (1 + kSlackRatio);
   return e;

@@ -123,6 +123,29 @@ TEST(CudaFields, TheMiddleOfABoxIsNoPointOfTheTriangle) {
   expect_same(Method::tiles, mesh, grid, kInfinity);
 }
 
+// So far that the triangle, although it is long, counts as its box's middle.
+TEST(CudaFields, ALongTriangleThatIsASpeck) {
+  Mesh mesh;
+  testing::add_triangle(mesh, {0, 0, 1e8}, {20, 0, 1e8 + 9}, {0, 20, 1e8 + 30});
+  expect_same(Method::tiles, mesh, {{4, 4, 9}, {0, 0, 0}, {1, 1, 1}}, kInfinity);
+}
+
+// From most samples both triangles are equally near, when distances have been rounded: the first one is the nearest. At
+// the middle of the grid, the second one is nearer by more than rounding.
+TEST(CudaFields, EquallyNearTrianglesInGridsWithoutWidth) {
+  Mesh walls, needles;
+  for (const double away : {0.04, 0.0001}) {
+    const double x = 255.5;
+    testing::add_triangle(walls, {x, away, -500}, {x, away, 500}, {x, away + 500, 0});
+  }
+  for (const double away : {0.012, 0.0001}) {
+    const double x = 31.5;
+    testing::add_triangle(needles, {x, x, away}, {x, x, away + 150}, {x, x, away + 300});
+  }
+  expect_same(Method::tiles, walls, {{868, 1, 1}, {0, 0, 0}, {1, 1, 1}}, kInfinity);
+  expect_same(Method::tiles, needles, {{128, 128, 1}, {0, 0, 0}, {1, 1, 1}}, kInfinity);
+}
+
 TEST(CudaFields, OneTriangleOnOneSample) {
   const Mesh mesh = testing::random_soup(55, 1, 0.2, 0.5);
   const Grid grid{{1, 1, 1}, {0.1, 0, 0}, {1, 1, 1}};
