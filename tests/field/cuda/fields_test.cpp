@@ -132,18 +132,11 @@ TEST(CudaFields, ALongTriangleThatIsASpeck) {
 
 // From most samples both triangles are equally near, when distances have been rounded: the first one is the nearest. At
 // the middle of the grid, the second one is nearer by more than rounding.
-TEST(CudaFields, EquallyNearTrianglesInGridsWithoutWidth) {
-  Mesh walls, needles;
-  for (const double away : {0.04, 0.0001}) {
-    const double x = 255.5;
-    testing::add_triangle(walls, {x, away, -500}, {x, away, 500}, {x, away + 500, 0});
-  }
-  for (const double away : {0.012, 0.0001}) {
-    const double x = 31.5;
-    testing::add_triangle(needles, {x, x, away}, {x, x, away + 150}, {x, x, away + 300});
-  }
+TEST(CudaFields, EquallyNearTrianglesInAGridWithoutWidth) {
+  Mesh walls;
+  for (const double away : {0.04, 0.0001})
+    testing::add_triangle(walls, {255.5, away, -500}, {255.5, away, 500}, {255.5, away + 500, 0});
   expect_same(Method::tiles, walls, {{868, 1, 1}, {0, 0, 0}, {1, 1, 1}}, kInfinity);
-  expect_same(Method::tiles, needles, {{128, 128, 1}, {0, 0, 0}, {1, 1, 1}}, kInfinity);
 }
 
 TEST(CudaFields, OneTriangleOnOneSample) {
