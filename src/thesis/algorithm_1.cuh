@@ -151,10 +151,11 @@ STANDOFF_DEVICE void finish_samples(const Lattice& l, const TileView& view, std:
   const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
   if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
   __syncthreads();
-  if (!output.slots || finished.band != 0) write_finished(l, view, index, finished, output);
-  if (threadIdx.x == 0) atomicAdd(&outcome->samples_band, Counter{finished.band});
+  const unsigned in_band = finished.band;
+  if (!output.slots || in_band != 0) write_finished(l, view, index, finished, output);
+  if (threadIdx.x == 0) atomicAdd(&outcome->samples_band, Counter{in_band});
   __syncthreads();
-  if (threadIdx.x == 0 && output.slots && finished.band == 0) output.slots[index] = -1;
+  if (threadIdx.x == 0 && output.slots && in_band == 0) output.slots[index] = -1;
 }
 
 /// Makes the field from least squared distances. Blocks stride over the tiles.
