@@ -80,10 +80,6 @@ struct alignas(16) TriangleBox {
   Triple<float> half;
   float largest;  // of `half`
 };
-/// Triangles in boxes whose half sides are at most this share of a child's radius are known by their boxes. Decides no
-/// bit. Larger: more candidates are kept. Smaller: more triangles are measured.
-inline constexpr float kBoxShare = 1;
-
 /// The boxes of all used triangles, by number.
 struct TriangleBoxes {
   TriangleBox* all;
@@ -175,7 +171,7 @@ struct Chunk {
 /// may have read the chunk.
 STANDOFF_DEVICE void begin_chunk(const Lattice& l, const Step& step, Counter number, Chunk& chunk) {
   const int t = static_cast<int>(threadIdx.x);
-  if (t < 32) __syncwarp();
+  if (t < 32) __syncwarp();  // its lanes have read the chunk before
   const std::int64_t parent = t < 32 ? warp_find(step.chunk_start, step.parent.count(), number) : 0;
   if (t < 8) {
     const std::int64_t at[3] = {parent % step.parent.cells[0], parent / step.parent.cells[0] % step.parent.cells[1],
@@ -212,9 +208,10 @@ STANDOFF_DEVICE TriangleFrame<float> frame_of(const Lattice& l, const DeviceMesh
                     narrowed(local(l, c.at[2], chunk.center)), float{kLeastLengthSq});
 }
 
-/// Whether a triangle is known by its box. If so, it is not farther than the box's middle and `off`.
+/// Whether a triangle is known by its box: if no half side is longer than a child's radius. Decides no bit. Where
+/// larger ones were known by their boxes too, more candidates would be kept; where fewer, more would be measured.
 STANDOFF_DEVICE bool is_small(const TriangleBox& box, const Chunk& chunk) {
-  return box.largest <= kBoxShare * chunk.child[0].extent.radius;
+  return box.largest <= chunk.child[0].extent.radius;
 }
 /// The error of a triangle's distances from the grid's cells.
 STANDOFF_DEVICE float slack_of(const TriangleBox& box, const Step& step) {

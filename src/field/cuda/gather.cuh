@@ -19,8 +19,6 @@
 //   W::Group                        a group of samples, whose keeps() decides whether a long triangle is measured there
 #pragma once
 
-#include "field/cuda/bin.cuh"
-#include "field/cuda/culling.cuh"
 #include "field/cuda/gather_tile.cuh"
 #include "field/cuda/gather_work.cuh"
 #include "field/tolerances.h"
@@ -151,10 +149,11 @@ STANDOFF_DEVICE unsigned gather_long(const Lattice& l, int count, Tile& tile) {
   STANDOFF_ROLLED
   for (int first = 0; first < count; first += kAtOnce) {
     const int mine = first + lane / kGroups;
-    const auto distance = [&] {
-      return sqrt(distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center));
-    };
-    const bool is_near = mine < count && group.keeps(tile.stage, mine, distance() - tile.stage.slack[mine]);
+    bool is_near = false;
+    if (mine < count) {
+      const float squared = distance_sq(load<TriangleLines<float>>(tile.stage.lines[mine]), group.center);
+      is_near = group.keeps(tile.stage, mine, sqrt(squared) - tile.stage.slack[mine]);
+    }
     const std::uint32_t near = __ballot_sync(0xffffffffu, is_near);
     if (is_near)
       tile.stage.long_pair[queued + __popc(near & ((1u << lane) - 1))] =

@@ -24,9 +24,6 @@ using Pair = std::uint16_t;
 
 struct GroupStage : CommonStage {
   static constexpr int kPairs = 256;
-  struct LongBox {
-    float number[6];
-  };
   GroupState group[kGroups];
   alignas(16) CellExtent extent;
   float known_within;  // bounds the distance of all samples of the tile from the mesh
@@ -34,14 +31,14 @@ struct GroupStage : CommonStage {
     Pair pair[kPairs];
     struct {
       float slack[kLong];
-      LongBox box[kLong];
+      CenteredBox box[kLong];
       LongPair long_pair[kLongPairs];
     };
   };
 
   STANDOFF_DEVICE void bound_long(int n, const BoxOf<float>& b) {
     slack[n] = distance_slack(farthest_coordinate(b));
-    store(centered(b), box[n]);
+    box[n] = centered(b);
   }
 };
 
@@ -212,7 +209,7 @@ struct ByGroups {
         : center(tile.stage.group[group].center), state(tile.stage.group[group]), extent(tile.stage.extent) {}
     /// `least`: no more than the distance of staged triangle n from the centre.
     STANDOFF_DEVICE bool keeps(const Stage& stage, int n, float least) const {
-      return may_be_nearest(extent, load<CenteredBox>(stage.box[n]), max(least, 0.0f), stage.slack[n], state);
+      return may_be_nearest(extent, stage.box[n], max(least, 0.0f), stage.slack[n], state);
     }
   };
 };
