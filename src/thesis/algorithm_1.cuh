@@ -92,10 +92,11 @@ STANDOFF_KERNEL void lower_samples(Lattice l, DeviceMesh mesh, Grid grid, double
   if (threadIdx.x % 32 == 0) atomicAdd(&outcome->samples_examined, examined);
 }
 
-/// A block has a thread for each sample of a tile.
+/// A block has a thread for each sample of a tile, x fastest.
 inline constexpr int kTileThreads = kTileSamples;
 STANDOFF_DEVICE SampleAt sample_of_thread() {
-  return group_sample(static_cast<int>(threadIdx.x) / 32, static_cast<int>(threadIdx.x) % 32);
+  const int thread = static_cast<int>(threadIdx.x);
+  return {thread % 8, thread / 8 % 8, thread / 64};
 }
 
 /// For sparse output: writes 1 for each tile with a band sample, 0 for the others, and 0 behind the last. Blocks of 512
@@ -117,75 +118,45 @@ STANDOFF_KERNEL void __launch_bounds__(kTileThreads)
   }
 }
 
-/// A tile's finished samples, x fastest, before they are written in rows.
-struct Finished {
-  float value[kTileSamples];
-  std::uint32_t nearest[kTileSamples];
-  unsigned band;  // samples in the band
-};
-
-/// Writes a tile to its slot, or to its place in the dense grid. All threads of the block take part.
-STANDOFF_DEVICE void write_finished(const Lattice& l, const TileView& view, std::int64_t index,
-                                    const Finished& finished, const DeviceOutput& output) {
-  const int t = static_cast<int>(threadIdx.x);
-  std::int64_t at;
-  if (output.slots) {
-    at = std::int64_t{output.slots[index]} * kTileSamples + t;
-  } else {
-    const int x = t % 8, y = t / 8 % 8, z = t / 64;
-    if (x >= view.inside[0] || y >= view.inside[1] || z >= view.inside[2]) return;
-    at = view.tile[0] * 8 + x + l.size[0] * (view.tile[1] * 8 + y + l.size[1] * (view.tile[2] * 8 + z));
-  }
-  output.values[at] = finished.value[t];
-  if (output.nearest) output.nearest[at] = finished.nearest[t];
-}
-
-/// Clamps the samples, stores them in `finished`, and writes the tile. A sparse field does not store a tile without a
-/// band sample. All threads of the block take part.
-STANDOFF_DEVICE void finish_samples(const Lattice& l, const TileView& view, std::int64_t index, const SampleAt& at,
-                                    float value, std::uint32_t nearest, bool is_band, Finished& finished,
-                                    const DeviceOutput& output, Outcome* outcome) {
-  const int t = at.x + 8 * at.y + 64 * at.z;
-  finished.value[t] = value;
-  finished.nearest[t] = nearest;
-  const std::uint32_t band = __ballot_sync(0xffffffffu, is_band);
-  if (threadIdx.x % 32 == 0) atomicAdd(&finished.band, static_cast<unsigned>(__popc(band)));
-  __syncthreads();
-  const unsigned in_band = finished.band;
-  if (!output.slots || in_band != 0) write_finished(l, view, index, finished, output);
-  if (threadIdx.x == 0) atomicAdd(&outcome->samples_band, Counter{in_band});
-  __syncthreads();
-  if (threadIdx.x == 0 && output.slots && in_band == 0) output.slots[index] = -1;
-}
-
-/// Makes the field from least squared distances. Blocks stride over the tiles.
+/// Makes the field from least squared distances. A sparse field does not store a tile without a band sample. Blocks
+/// stride over the tiles.
 STANDOFF_KERNEL void __launch_bounds__(kTileThreads)
     write_samples(Lattice l, const Counter* nearest, DeviceOutput output, Outcome* outcome) {
-  __shared__ Finished finished;
   __shared__ TileView view;
+  __shared__ unsigned band;  // samples of the tile in the band
   if (outcome->stopped) return;
+  const int thread = static_cast<int>(threadIdx.x);
   const SampleAt at = sample_of_thread();
   for (std::int64_t index = blockIdx.x; index < l.tile_count(); index += gridDim.x) {
-    if (threadIdx.x < 32) {  // saves the other warps the division
+    if (thread < 32) {  // saves the other warps the division
       std::int64_t tile[3];
       tile_at(l, index, tile);
-      view_tile(l, tile, static_cast<int>(threadIdx.x), view);
+      view_tile(l, tile, thread, view);
     }
-    if (threadIdx.x == 0) finished.band = 0;
+    if (thread == 0) band = 0;
     __syncthreads();
-    const std::int64_t* const tile = view.tile;
     const bool in_grid = at.x < view.inside[0] && at.y < view.inside[1] && at.z < view.inside[2];
+    const std::int64_t sample =
+        view.tile[0] * 8 + at.x + l.size[0] * (view.tile[1] * 8 + at.y + l.size[1] * (view.tile[2] * 8 + at.z));
     float value = __builtin_inff();
     std::uint32_t triangle = kNoTriangle;
     if (in_grid) {
-      const Counter found =
-          nearest[tile[0] * 8 + at.x + l.size[0] * (tile[1] * 8 + at.y + l.size[1] * (tile[2] * 8 + at.z))];
-      value = sqrt(__uint_as_float(static_cast<std::uint32_t>(found >> 32))) * l.unscale;
-      triangle = static_cast<std::uint32_t>(found);
+      value = sqrt(__uint_as_float(static_cast<std::uint32_t>(nearest[sample] >> 32))) * l.unscale;
+      triangle = static_cast<std::uint32_t>(nearest[sample]);
     }
     const bool in_band = triangle != kNoTriangle && value <= l.thickness_world;
-    finish_samples(l, view, index, at, min(value, l.thickness_world), in_band ? triangle : kNoTriangle, in_band,
-                   finished, output, outcome);
+    const std::uint32_t votes = __ballot_sync(0xffffffffu, in_band);
+    if (thread % 32 == 0) atomicAdd(&band, static_cast<unsigned>(__popc(votes)));
+    __syncthreads();
+    const unsigned all = band;
+    if (output.slots ? all != 0 : in_grid) {
+      const std::int64_t to = output.slots ? std::int64_t{output.slots[index]} * kTileSamples + thread : sample;
+      output.values[to] = min(value, l.thickness_world);
+      if (output.nearest) output.nearest[to] = in_band ? triangle : kNoTriangle;
+    }
+    if (thread == 0) atomicAdd(&outcome->samples_band, Counter{all});
+    __syncthreads();
+    if (thread == 0 && output.slots && all == 0) output.slots[index] = -1;
   }
 }
 
